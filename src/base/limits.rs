@@ -1,0 +1,23 @@
+//! The stated limits of what the compiler takes. They bound time and memory; the stack bounds nothing.
+
+/// Largest source file, in bytes.
+pub const SOURCE_BYTES: usize = 16 * 1024 * 1024;
+
+/// Deepest nesting of `{` and of `(` in a source file.
+pub const NESTING: usize = 64;
+
+/// Most states of one region, movements counted. A region becomes one SFC, and with its idle step it
+/// has to stay within the 150 steps that PLC code generators still take in reasonable time.
+pub const REGION_STATES: usize = 149;
+
+/// Longest name that a model may give anything, in characters.
+pub const NAME_LENGTH: usize = 48;
+
+/// Longest name that the compiler gives anything in a PLC project, in characters.
+pub const PLC_NAME_LENGTH: usize = 64;
+
+/// Most products that one safety constraint may split into.
+pub const CONSTRAINT_PRODUCTS: usize = 64;
+
+/// Most errors that one run reports; the rest is counted.
+pub const REPORTED_ERRORS: usize = 50;

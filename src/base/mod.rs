@@ -1,0 +1,11 @@
+//! What every layer may use and what knows nothing of machines: spans, arenas, diagnostics, names.
+
+pub mod arena;
+pub mod diagnostic;
+pub mod iec;
+pub mod limits;
+pub mod span;
+
+pub use arena::{Arena, Id};
+pub use diagnostic::{Code, Diagnostic, Diagnostics, Label, Severity};
+pub use span::{LineIndex, Span};

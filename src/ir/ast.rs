@@ -1,0 +1,333 @@
+//! The syntax tree of a `.chart` file: what was written, where, and nothing more.
+//!
+//! Names are unresolved texts with their spans. The grammar, `grammar/chart.pest`, is the reference
+//! for what can stand where.
+
+use super::expr::Expr;
+use crate::base::Span;
+
+/// A word with its place: a declared name or one part of a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The word as written.
+    pub text: String,
+    /// Where.
+    pub span: Span,
+}
+
+/// A text in quotes, unescaped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// What stands between the quotes.
+    pub value: String,
+    /// Where, quotes included.
+    pub span: Span,
+}
+
+/// A reference to a state, such as `Preparation.V.Down`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Path {
+    /// The words between the dots; never empty.
+    pub parts: Vec<Name>,
+}
+
+impl Path {
+    /// From the first word to the last.
+    pub fn span(&self) -> Span {
+        self.parts[0].span.to(self.parts[self.parts.len() - 1].span)
+    }
+}
+
+/// A whole file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Machine {
+    /// `machine NAME`.
+    pub name: Name,
+    /// The text behind the name.
+    pub description: Option<Text>,
+    /// `cycle 10ms`, every one that was written.
+    pub cycles: Vec<Cycle>,
+    /// All `inputs { … }` in order.
+    pub inputs: Vec<Signal>,
+    /// All `outputs { … }` in order.
+    pub outputs: Vec<Signal>,
+    /// All `variables { … }` in order.
+    pub variables: Vec<Variable>,
+    /// All `actuator …` in order.
+    pub actuators: Vec<Actuator>,
+    /// All `chart …` in order.
+    pub charts: Vec<Chart>,
+    /// All `safety …` in order.
+    pub safety: Vec<Safety>,
+}
+
+/// `cycle 10ms`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cycle {
+    /// In milliseconds; nothing when it does not fit a `u32`.
+    pub milliseconds: Option<u32>,
+    /// The number with its unit.
+    pub span: Span,
+}
+
+/// `H0 at %IX0.0 "horizontal cylinder in"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Signal {
+    /// The signal's name.
+    pub name: Name,
+    /// The address as written, `%` included.
+    pub address: Option<Name>,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
+/// `StopRequest : BOOL := false "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variable {
+    /// The variable's name.
+    pub name: Name,
+    /// Its value before the first scan; FALSE if not given.
+    pub initial: bool,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
+/// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Actuator {
+    /// The actuator's name.
+    pub name: Name,
+    /// How its outputs act.
+    pub technology: Technology,
+    /// Where the technology stands.
+    pub technology_span: Span,
+    /// `by OUTPUT` of the short form.
+    pub by: Option<Name>,
+    /// What it is.
+    pub description: Option<Text>,
+    /// Its positions in order.
+    pub positions: Vec<Position>,
+}
+
+/// The technology of an actuator (seed 002, section 2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technology {
+    /// Two outputs, one per direction, each TRUE only while moving toward its position.
+    Bistable,
+    /// One output, TRUE while going to its position and while there; a spring leads back.
+    Monostable,
+    /// One output, TRUE while on.
+    OnOff,
+}
+
+/// `position Down output OVC sensor V1 "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// The position's name.
+    pub name: Name,
+    /// The output that leads to it.
+    pub output: Option<Name>,
+    /// What is TRUE when it is reached.
+    pub sensor: Option<Guard>,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
+/// An expression with its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Guard {
+    /// The expression.
+    pub expr: Expr<Term>,
+    /// Where.
+    pub span: Span,
+}
+
+/// What an expression may mention.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Term {
+    /// The value of something: `H0`, or a path, which cannot be a value but deserves a good message.
+    Value(PathRef),
+    /// `prev(x)`.
+    Prev(PathRef),
+    /// `rise(x)`.
+    Rise(PathRef),
+    /// `fall(x)`.
+    Fall(PathRef),
+    /// `in(State)`.
+    In(PathRef),
+    /// `done(State)`.
+    DoneOf(PathRef),
+    /// `done`: the source of this transition.
+    Done(Span),
+}
+
+/// A path inside an expression.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PathRef {
+    /// The words between the dots; never empty.
+    pub parts: Vec<(String, Span)>,
+}
+
+impl PathRef {
+    /// From the first word to the last.
+    pub fn span(&self) -> Span {
+        self.parts[0].1.to(self.parts[self.parts.len() - 1].1)
+    }
+}
+
+/// `chart NAME "…" { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chart {
+    /// The chart's name.
+    pub name: Name,
+    /// The actuator that its only region controls.
+    pub controls: Option<Name>,
+    /// What it is.
+    pub description: Option<Text>,
+    /// What stands between its braces.
+    pub body: Body,
+}
+
+/// What stands between the braces of a chart, state or region, sorted by kind. Order across kinds
+/// means nothing; order within a kind is kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Body {
+    /// `state …`.
+    pub states: Vec<State>,
+    /// `region …`, only in parallel states and charts.
+    pub regions: Vec<Region>,
+    /// `from … to …` and `move from … to …`.
+    pub transitions: Vec<Transition>,
+    /// `drives …`.
+    pub drives: Vec<Drive>,
+    /// `sets …` and `resets …`.
+    pub actions: Vec<Action>,
+    /// The braces and what is between them.
+    pub span: Span,
+}
+
+/// `initial final parallel state NAME at POSITION controls ACTUATOR "…" { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct State {
+    /// The state's name.
+    pub name: Name,
+    /// `initial`, where it stands.
+    pub initial: Option<Span>,
+    /// `final`, where it stands.
+    pub is_final: Option<Span>,
+    /// `parallel`, where it stands.
+    pub parallel: Option<Span>,
+    /// `at POSITION`.
+    pub position: Option<Name>,
+    /// `controls ACTUATOR`: bound to the state's own only region.
+    pub controls: Option<Name>,
+    /// What it is.
+    pub description: Option<Text>,
+    /// What stands between its braces, if it has any.
+    pub body: Option<Body>,
+}
+
+/// `region NAME controls ACTUATOR "…" { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// The region's name.
+    pub name: Name,
+    /// `controls ACTUATOR`.
+    pub controls: Option<Name>,
+    /// What it is.
+    pub description: Option<Text>,
+    /// What stands between its braces.
+    pub body: Body,
+}
+
+/// `from A to B priority 1 when G then set V "…"`, or with `move` before it and `as NAME` behind B.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transition {
+    /// Where it starts.
+    pub source: Source,
+    /// Where it leads.
+    pub target: Path,
+    /// Present for a movement.
+    pub movement: Option<Movement>,
+    /// `priority N`.
+    pub priority: Option<(u32, Span)>,
+    /// `when …`.
+    pub guard: Option<Guard>,
+    /// `then …`.
+    pub effects: Vec<Effect>,
+    /// Why it is there.
+    pub description: Option<Text>,
+    /// All of it.
+    pub span: Span,
+}
+
+/// Where a transition starts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// One state.
+    State(Path),
+    /// `any`: each state of the region in which it is written.
+    Any(Span),
+}
+
+/// What makes a transition a movement.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Movement {
+    /// `move`.
+    pub span: Span,
+    /// `as NAME`.
+    pub name: Option<Name>,
+}
+
+/// `set V` or `reset V`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Effect {
+    /// The variable.
+    pub variable: Name,
+    /// What it becomes.
+    pub value: bool,
+}
+
+/// `drives OUTPUT when …`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Drive {
+    /// The output.
+    pub output: Name,
+    /// Its condition.
+    pub condition: Option<Guard>,
+}
+
+/// `sets V when …` or `resets V when …`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Action {
+    /// The variable.
+    pub variable: Name,
+    /// What it becomes.
+    pub value: bool,
+    /// Its condition.
+    pub condition: Option<Guard>,
+}
+
+/// `safety supervisor { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Safety {
+    /// `supervisor`, where it stands.
+    pub mode: Name,
+    /// The constraints in order.
+    pub constraints: Vec<Constraint>,
+    /// The assumptions in order.
+    pub assumptions: Vec<Constraint>,
+}
+
+/// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constraint {
+    /// Its name.
+    pub name: Name,
+    /// What must never be TRUE.
+    pub never: Guard,
+    /// Who gives way.
+    pub yields: Vec<Name>,
+    /// Why, in words for the operator.
+    pub text: Option<Text>,
+}

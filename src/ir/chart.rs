@@ -1,0 +1,411 @@
+//! The machine: what a model means, with every name resolved.
+//!
+//! # What it means, scan by scan
+//!
+//! A machine moves once per PLC scan, and everything that it reads was true when the scan began.
+//!
+//! 1. Inputs are sampled. [`Atom::PrevInput`] is the input's value of the scan before; in the first
+//!    scan it is the input itself, so what has no past has no edge. [`Atom::PrevOutput`] is what the
+//!    filter let through in the scan before, FALSE in the first scan.
+//! 2. Each chart takes one step. Regions are visited from the outside in. A transition belongs to
+//!    its *scope*, the innermost region that contains source and target. In an active region, of the
+//!    enabled transitions of this scope the one with the outermost source fires, then the one that
+//!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
+//!    active state takes a step. Guards read states and variables from before the step.
+//! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
+//!    the way down to it every parallel sibling, and below it every region, enters its initial
+//!    state. Source and target may lie in the same state of the scope: it is left and entered again.
+//! 4. Effects of the fired transitions happen, then [`Action`]s of the states that are active now:
+//!    first all that set, then all that reset. Their conditions read states as they are now and
+//!    variables as the transitions left them.
+//! 5. The command of an output is the OR of the [`Drive`]s of the states that are active now;
+//!    conditions read states and variables as they are now.
+//! 6. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
+//!
+//! The first scan enters the initial states and takes no transition.
+
+use super::expr::Expr;
+use super::sop::Product;
+use crate::base::{Arena, Id, Span};
+
+pub use super::ast::Technology;
+
+/// Names an input.
+pub type InputId = Id<Input>;
+/// Names an output.
+pub type OutputId = Id<Output>;
+/// Names a variable.
+pub type VariableId = Id<Variable>;
+/// Names an actuator.
+pub type ActuatorId = Id<Actuator>;
+/// Names a region.
+pub type RegionId = Id<Region>;
+/// Names a state.
+pub type StateId = Id<State>;
+/// Names a transition.
+pub type TransitionId = Id<Transition>;
+/// Names a constraint.
+pub type ConstraintId = Id<Constraint>;
+
+/// A whole model.
+#[derive(Clone, Debug, Default)]
+pub struct Machine {
+    /// The machine's name, as written.
+    pub name: String,
+    /// What it is.
+    pub description: String,
+    /// The PLC task's cycle time in milliseconds.
+    pub cycle: u32,
+    /// What comes in, in order of declaration.
+    pub inputs: Arena<Input>,
+    /// What goes out, in order of declaration.
+    pub outputs: Arena<Output>,
+    /// What is remembered, in order of declaration.
+    pub variables: Arena<Variable>,
+    /// What moves, in order of declaration.
+    pub actuators: Arena<Actuator>,
+    /// The charts, in order of declaration. They run side by side.
+    pub charts: Vec<Chart>,
+    /// The regions of all charts; a parent comes before what it contains.
+    pub regions: Arena<Region>,
+    /// The states of all charts; a parent comes before what it contains.
+    pub states: Arena<State>,
+    /// The transitions of all charts, in the order in which they are written.
+    pub transitions: Arena<Transition>,
+    /// What must never happen.
+    pub safety: Safety,
+}
+
+/// An input of type BOOL.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Its name.
+    pub name: String,
+    /// Its IEC address in upper case, such as `%IX0.0`.
+    pub address: Option<String>,
+    /// What it means when TRUE.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// An output of type BOOL.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// Its name.
+    pub name: String,
+    /// Its IEC address in upper case, such as `%QX0.0`.
+    pub address: Option<String>,
+    /// What it does when TRUE.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A variable of type BOOL.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Its name.
+    pub name: String,
+    /// Its value before the first scan.
+    pub initial: bool,
+    /// What it remembers.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A technical device with positions. What its technology demands of outputs has become
+/// [`Drive`]s of states; what remains is for reading and for analysis.
+#[derive(Clone, Debug)]
+pub struct Actuator {
+    /// Its name.
+    pub name: String,
+    /// How its outputs act.
+    pub technology: Technology,
+    /// What it is.
+    pub description: String,
+    /// Two positions: first the one at rest for `monostable` and `onoff`.
+    pub positions: Vec<Position>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// One end of an actuator's travel.
+#[derive(Clone, Debug)]
+pub struct Position {
+    /// Its name, unique in the actuator.
+    pub name: String,
+    /// The output that leads there.
+    pub output: Option<OutputId>,
+    /// What is TRUE when it is reached; over inputs only.
+    pub sensor: Option<Guard>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A Boolean expression over the machine.
+pub type Guard = Expr<Atom>;
+
+/// What an expression can read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Atom {
+    /// The input in this scan.
+    Input(InputId),
+    /// The input in the scan before.
+    PrevInput(InputId),
+    /// What the filter lets through in this scan; in constraints only.
+    Output(OutputId),
+    /// What the filter let through in the scan before.
+    PrevOutput(OutputId),
+    /// The variable.
+    Variable(VariableId),
+    /// Whether the state is active.
+    In(StateId),
+    /// Whether every region of the state is in a final state.
+    Done(StateId),
+}
+
+/// A chart: a hierarchy of states that runs from the first scan on.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub description: String,
+    /// Its outermost regions; more than one makes it parallel.
+    pub regions: Vec<RegionId>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A region: exactly one of its states is active while its parent is.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Its name; the only region of a state or chart has none.
+    pub name: Option<String>,
+    /// What it is.
+    pub description: String,
+    /// Index of its chart in [`Machine::charts`].
+    pub chart: usize,
+    /// The state that contains it; nothing for an outermost region.
+    pub parent: Option<StateId>,
+    /// The actuator whose positions its states are.
+    pub actuator: Option<ActuatorId>,
+    /// Its states, movements included, in the order in which they are written.
+    pub states: Vec<StateId>,
+    /// The state that it enters by default; one of its states.
+    pub initial: StateId,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A state.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Its name, unique in its region.
+    pub name: String,
+    /// What it means.
+    pub description: String,
+    /// The region that contains it.
+    pub region: RegionId,
+    /// What kind of state it is.
+    pub kind: StateKind,
+    /// Its own regions, in the order in which they are written; none for an elementary state.
+    pub regions: Vec<RegionId>,
+    /// Index into the positions of its region's actuator.
+    pub position: Option<usize>,
+    /// The outputs that it drives, those from technology first.
+    pub drives: Vec<Drive>,
+    /// The variables that it sets and resets while it is active.
+    pub actions: Vec<Action>,
+    /// How many states contain it.
+    pub depth: u32,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// What kind of state it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StateKind {
+    /// It contains no region.
+    Elementary,
+    /// It contains no region and ends its region.
+    Final,
+    /// An actuator on its way to the position of that index; elementary.
+    Movement {
+        /// Index into the positions of the region's actuator.
+        to: usize,
+    },
+    /// It contains regions.
+    Composite,
+}
+
+/// An output that is TRUE while the state is active and the condition holds.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// The output.
+    pub output: OutputId,
+    /// Read after the chart's step.
+    pub condition: Guard,
+    /// Whether an actuator's technology demands it, rather than the text of the model.
+    pub technology: bool,
+    /// Where it comes from.
+    pub span: Span,
+}
+
+/// A variable that becomes `value` in each scan in which the state is active and the condition
+/// holds: the qualifiers S and R of IEC 61131-3.
+#[derive(Clone, Debug)]
+pub struct Action {
+    /// The variable.
+    pub variable: VariableId,
+    /// What it becomes.
+    pub value: bool,
+    /// Read after the chart's step.
+    pub condition: Guard,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A transition.
+#[derive(Clone, Debug)]
+pub struct Transition {
+    /// The state that must be active.
+    pub source: StateId,
+    /// The state that it leads to.
+    pub target: StateId,
+    /// The innermost region that contains both.
+    pub scope: RegionId,
+    /// Read from before the step.
+    pub guard: Guard,
+    /// What becomes of variables when it fires; no variable twice.
+    pub effects: Vec<(VariableId, bool)>,
+    /// Explicit priority: lower fires first, and before transitions without one.
+    pub priority: Option<u32>,
+    /// Why it is there.
+    pub description: String,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// The safety part of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Safety {
+    /// What the filter does about a violation; nothing when the model has no constraints.
+    pub mode: Option<FilterMode>,
+    /// What must never be, in the order in which it is written.
+    pub constraints: Arena<Constraint>,
+    /// What the plant cannot do.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// What the filter does about a violation (seed 001).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterMode {
+    /// Outputs are corrected, the program goes on, each correction is an alarm.
+    Supervisor,
+}
+
+/// A safety constraint: none of its products may be TRUE when the outputs are written.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    /// Its name.
+    pub name: String,
+    /// What it says, in words for the operator.
+    pub text: String,
+    /// What must never be TRUE, as it is written.
+    pub never: Guard,
+    /// The same split into products; none contradicts itself.
+    pub products: Vec<Product<Atom>>,
+    /// Who gives way when a combined product would be TRUE.
+    pub yields: Vec<OutputId>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// Something that the plant cannot do, over inputs, previous values and variables.
+#[derive(Clone, Debug)]
+pub struct Assumption {
+    /// Its name.
+    pub name: String,
+    /// What it says in words.
+    pub text: String,
+    /// What is never TRUE, as it is written.
+    pub never: Guard,
+    /// The same split into products.
+    pub products: Vec<Product<Atom>>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// The outputs of this scan in a product, each with whether it stands negated.
+pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bool)> + '_ {
+    product.literals().iter().filter_map(|l| match l.atom {
+        Atom::Output(o) => Some((o, l.negated)),
+        _ => None,
+    })
+}
+
+impl Machine {
+    /// The states that contain `state`, itself first, outermost last.
+    pub fn ancestors(&self, state: StateId) -> impl Iterator<Item = StateId> + '_ {
+        std::iter::successors(Some(state), |&s| self.regions[self.states[s].region].parent)
+    }
+
+    /// Whether `outer` is `inner` or contains it.
+    pub fn contains(&self, outer: StateId, inner: StateId) -> bool {
+        self.ancestors(inner).any(|s| s == outer)
+    }
+
+    /// The state of `region` that is `state` or contains it, if there is one.
+    pub fn child_in(&self, region: RegionId, state: StateId) -> Option<StateId> {
+        self.ancestors(state).find(|&s| self.states[s].region == region)
+    }
+
+    /// The innermost region that contains both states, if they are of one chart and not in
+    /// different regions of it.
+    pub fn scope(&self, a: StateId, b: StateId) -> Option<RegionId> {
+        self.ancestors(a).map(|s| self.states[s].region).find(|&r| self.child_in(r, b).is_some())
+    }
+
+    /// The name of a state with those of all that contains it, from the outside in, the chart left
+    /// out: `InProduction.Automatic.Preparation.V.Down`.
+    pub fn state_path(&self, state: StateId) -> String {
+        let mut parts = Vec::new();
+        for s in self.ancestors(state) {
+            parts.push(self.states[s].name.as_str());
+            parts.extend(self.regions[self.states[s].region].name.as_deref());
+        }
+        parts.reverse();
+        parts.join(".")
+    }
+
+    /// The name of a region in the same way; that of its state or chart where it has none.
+    pub fn region_path(&self, region: RegionId) -> String {
+        let r = &self.regions[region];
+        let outer = r.parent.map(|p| self.state_path(p));
+        match (outer, &r.name) {
+            (Some(outer), Some(name)) => format!("{outer}.{name}"),
+            (Some(outer), None) => outer,
+            (None, Some(name)) => name.clone(),
+            (None, None) => self.charts[r.chart].name.clone(),
+        }
+    }
+
+    /// For each region, the transitions whose scope it is, in the order in which they are tried:
+    /// outermost source first, then explicit priority, then as written.
+    pub fn scoped(&self) -> Vec<Vec<TransitionId>> {
+        let mut by_region = vec![Vec::new(); self.regions.len()];
+        for (id, t) in self.transitions.iter() {
+            by_region[t.scope.index()].push(id);
+        }
+        for list in &mut by_region {
+            list.sort_by_key(|&id| {
+                let t = &self.transitions[id];
+                (self.states[t.source].depth, t.priority.unwrap_or(u32::MAX), id)
+            });
+        }
+        by_region
+    }
+}

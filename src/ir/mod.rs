@@ -1,0 +1,20 @@
+//! The nouns: every form that a machine takes on its way from text to PLC project.
+//!
+//! | module | form | what is gone |
+//! | --- | --- | --- |
+//! | [`ast`] | the text as a tree | comments, white space |
+//! | [`chart`] | the machine, resolved | names as references, sugar, actuators' technology laws |
+//! | [`plc`], [`sfc`], [`ladder`] | the PLC project | hierarchy, guards over states, constraints |
+//! | [`drawing`] | where everything stands on a page | nothing: it points into the project |
+//!
+//! No passes live here, only types, their invariants and their text form.
+
+pub mod ast;
+pub mod chart;
+pub mod drawing;
+pub mod expr;
+pub mod ladder;
+pub mod plc;
+pub mod sfc;
+pub mod sop;
+mod text;

@@ -1,0 +1,131 @@
+//! The PLC project: global variables, programs in SFC and ladder, one task.
+//!
+//! It is what IEC 61131-3 calls a configuration with one resource. Nothing in it knows of XML or of
+//! any dialect; [`crate::emit`] writes it and [`crate::layout`] draws its bodies.
+//!
+//! # What it means
+//!
+//! Once per cycle the task runs its programs in the order of [`Project::programs`]. A value written
+//! by one program is seen by those after it in the same cycle and by those before it in the next.
+//! Each program is an [SFC](super::sfc) or a [ladder](super::ladder).
+
+use super::ladder::Ladder;
+use super::sfc::Sfc;
+use crate::base::{Arena, Id, Span};
+
+/// Names a global variable.
+pub type GlobalId = Id<Global>;
+
+/// A whole project.
+#[derive(Clone, Debug)]
+pub struct Project {
+    /// The machine's name.
+    pub name: String,
+    /// What it is.
+    pub description: String,
+    /// All variables that programs share. Those with an address come first.
+    pub globals: Arena<Global>,
+    /// The programs, in the order in which the task runs them.
+    pub programs: Vec<Program>,
+    /// The one task.
+    pub task: Task,
+}
+
+/// A global variable of type BOOL.
+#[derive(Clone, Debug)]
+pub struct Global {
+    /// A legal IEC identifier, unique in the project whatever the letters' case.
+    pub name: String,
+    /// Its address, such as `%IX0.0`.
+    pub address: Option<String>,
+    /// Its value before the first cycle.
+    pub initial: bool,
+    /// What it is for.
+    pub role: Role,
+    /// What it means, for the reader of the PLC project.
+    pub description: String,
+    /// What it stands for in the model.
+    pub origin: Origin,
+}
+
+/// What a global variable is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Comes from the machine.
+    Input,
+    /// Goes to the machine; written by the filter only.
+    Output,
+    /// A variable of the model.
+    Variable,
+    /// TRUE while a step is active; written by its N action only.
+    StepFlag,
+    /// A value latched at the start of the scan, or computed from such values.
+    Condition,
+    /// What the chart wants of an output.
+    Command,
+    /// Belongs to the safety filter.
+    Filter,
+    /// TRUE when the plant breaks an assumption or a constraint had to act.
+    Alarm,
+}
+
+/// What something in the project stands for in the model.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// In words and the model's names: `state InProduction.Automatic`; empty for what the
+    /// compiler needs for itself.
+    pub what: String,
+    /// Where that is declared.
+    pub span: Option<Span>,
+}
+
+/// One program.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// Its type's name: a legal IEC identifier, unique in the project.
+    pub name: String,
+    /// The name of its only instance: likewise.
+    pub instance: String,
+    /// What it does.
+    pub description: String,
+    /// What it does, in detail.
+    pub body: Body,
+    /// What it stands for in the model.
+    pub origin: Origin,
+}
+
+/// The body of a program.
+#[derive(Clone, Debug)]
+pub enum Body {
+    /// A sequential function chart.
+    Sfc(Sfc),
+    /// A ladder diagram.
+    Ladder(Ladder),
+}
+
+/// The task that runs all programs.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// A legal IEC identifier, unique in the project.
+    pub name: String,
+    /// The configuration's name: likewise.
+    pub configuration: String,
+    /// The resource's name: likewise.
+    pub resource: String,
+    /// The cycle time in milliseconds.
+    pub interval: u32,
+}
+
+impl Program {
+    /// The globals that the body mentions, in order of declaration, each once.
+    pub fn globals(&self) -> Vec<GlobalId> {
+        let mut used = Vec::new();
+        match &self.body {
+            Body::Sfc(sfc) => sfc.for_each_global(&mut |g| used.push(g)),
+            Body::Ladder(ladder) => ladder.for_each_global(&mut |g| used.push(g)),
+        }
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+}

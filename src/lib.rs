@@ -1,0 +1,29 @@
+//! Chartwright compiles the statechart of a machine into a PLC program.
+//!
+//! A `.chart` file describes a machine: its inputs and outputs, its actuators by technology, its
+//! operating modes as a hierarchical statechart, and what must never happen. [`pipeline`] knows the
+//! order of the stages that lead from there to PLCopen XML:
+//!
+//! | stage | from | to |
+//! | --- | --- | --- |
+//! | [`parse`] | text | syntax tree |
+//! | [`resolve`] | syntax tree | machine |
+//! | [`check`] | machine | diagnostics |
+//! | [`lower`] | machine | PLC project |
+//! | [`layout`] | SFC, ladder | drawing |
+//! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
+//!
+//! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
+//! Nothing below [`cli`] prints, reads files or ends the process.
+
+pub mod base;
+pub mod check;
+pub mod cli;
+pub mod emit;
+pub mod ir;
+pub mod layout;
+pub mod lower;
+pub mod parse;
+pub mod pipeline;
+pub mod resolve;
+pub mod stats;

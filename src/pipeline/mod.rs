@@ -2,7 +2,8 @@
 
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
-use crate::{check, parse, resolve};
+use crate::ir::plc::Project;
+use crate::{check, lower, parse, resolve};
 
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
@@ -16,4 +17,9 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     diagnostics.sort();
     let machine = (!diagnostics.has_errors()).then_some(machine);
     (machine, diagnostics)
+}
+
+/// A machine without errors to its PLC project.
+pub fn lower(machine: &Machine) -> Project {
+    lower::lower(machine)
 }

@@ -118,7 +118,8 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
         match &element.shape {
             SfcShape::Step(id) => {
                 let step = &sfc.steps[*id];
-                let acts = matches!(drawing.elements.get(index + 1), Some(e) if matches!(e.shape, SfcShape::Action { .. }));
+                let acts =
+                    matches!(drawing.elements.get(index + 1), Some(e) if matches!(e.shape, SfcShape::Action { .. }));
                 numbers
                     .tag(xml, "step", area)
                     .attr("name", &step.name)

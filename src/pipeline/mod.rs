@@ -1,6 +1,7 @@
 //! The one place that knows the order of the stages.
 
-use crate::base::Diagnostics;
+use crate::base::{Diagnostics, LineIndex};
+use crate::emit::{self, Dialect, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::{check, lower, parse, resolve};
@@ -22,4 +23,38 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
 /// A machine without errors to its PLC project.
 pub fn lower(machine: &Machine) -> Project {
     lower::lower(machine)
+}
+
+/// What [`build`] is told.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// For which family of IDEs.
+    pub dialect: Dialect,
+    /// What the file says of its own making.
+    pub header: Header,
+}
+
+/// What [`build`] makes.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// The machine.
+    pub machine: Machine,
+    /// Its PLC project.
+    pub project: Project,
+    /// The project as PLCopen XML.
+    pub xml: String,
+    /// What each name in the project stands for, as CSV.
+    pub names: String,
+}
+
+/// Text to PLCopen XML. Without errors among the diagnostics there is an output.
+pub fn build(source: &str, options: &Options) -> (Option<Output>, Diagnostics) {
+    let (machine, diagnostics) = check(source);
+    let output = machine.map(|machine| {
+        let project = lower(&machine);
+        let xml = emit::plcopen(&project, options.dialect, &options.header);
+        let names = emit::names::table(&project, &LineIndex::new(source));
+        Output { machine, project, xml, names }
+    });
+    (output, diagnostics)
 }

@@ -17,4 +17,4 @@ pub mod ladder;
 pub mod plc;
 pub mod sfc;
 pub mod sop;
-mod text;
+pub mod text;

@@ -37,12 +37,12 @@ pub fn interface(xml: &mut Xml, project: &Project, program: &Program) {
         if used.is_empty() {
             xml.element("localVars", |xml| {
                 let name = unused_name(project, "Unused");
-                xml.tag("variable").attr("name", name).with(|xml| kind(xml));
+                xml.tag("variable").attr("name", name).with(kind);
             });
         } else {
             xml.element("externalVars", |xml| {
                 for global in used {
-                    xml.tag("variable").attr("name", &project.globals[global].name).with(|xml| kind(xml));
+                    xml.tag("variable").attr("name", &project.globals[global].name).with(kind);
                 }
             });
         }

@@ -20,4 +20,4 @@ pub mod relief;
 pub mod sfc;
 pub mod sop;
 pub mod source;
-mod text;
+pub mod text;

@@ -5,6 +5,7 @@ use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, finish, read, say, time, usage};
 use crate::base::Diagnostic;
+use crate::emit;
 use crate::pipeline::{self, Options};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -27,11 +28,11 @@ pub fn run(args: &Build) -> Outcome {
     let out = args.out.clone().unwrap_or_else(|| args.file.with_extension("xml"));
     let created = match check_usage(args, &out) {
         Ok(created) => created,
-        Err(message) => return usage(&message),
+        Err(message) => return usage("build", &message),
     };
     let dialect = match args.dialect {
-        Dialect::Beremiz => pipeline::Dialect::Beremiz,
-        Dialect::Codesys => pipeline::Dialect::Codesys,
+        Dialect::Beremiz => emit::Dialect::Beremiz,
+        Dialect::Codesys => emit::Dialect::Codesys,
     };
     let options = Options { dialect, created };
 

@@ -1,4 +1,8 @@
 //! The tests that use only the public interface, in one binary.
 
+mod cli;
 mod emit;
+mod explain;
+mod invalid;
+mod mutants;
 mod support;

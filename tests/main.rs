@@ -4,5 +4,7 @@ mod cli;
 mod emit;
 mod explain;
 mod invalid;
+mod layout;
 mod mutants;
 mod support;
+mod text;

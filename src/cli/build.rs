@@ -5,7 +5,6 @@ use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, finish, read, say, time, usage};
 use crate::base::Diagnostic;
-use crate::emit;
 use crate::pipeline::{self, Options};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -31,8 +30,8 @@ pub fn run(args: &Build) -> Outcome {
         Err(message) => return usage("build", &message),
     };
     let dialect = match args.dialect {
-        Dialect::Beremiz => emit::Dialect::Beremiz,
-        Dialect::Codesys => emit::Dialect::Codesys,
+        Dialect::Beremiz => pipeline::Dialect::Beremiz,
+        Dialect::Codesys => pipeline::Dialect::Codesys,
     };
     let options = Options { dialect, created };
 

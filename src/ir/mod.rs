@@ -15,6 +15,7 @@ pub mod drawing;
 pub mod expr;
 pub mod ladder;
 pub mod plc;
+pub mod relief;
 pub mod sfc;
 pub mod sop;
 mod text;

@@ -211,7 +211,7 @@ impl Head {
                     _ => head.name = name(p),
                 },
                 Rule::text => head.description = Some(text(p)),
-                Rule::body => head.body = Some(body(p, bad)),
+                Rule::body | Rule::outer_body => head.body = Some(body(p, bad)),
                 _ => {}
             }
             before = Some(rule);
@@ -260,7 +260,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                 let (variable, condition) = named_condition(p);
                 body.actions.push(Action { variable, value, condition });
             }
-            Rule::bad_item => bad.push(p),
+            Rule::bad_item | Rule::bad_outer_item => bad.push(p),
             _ => {}
         }
     }
@@ -282,7 +282,7 @@ fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
 
 fn transition(p: Pair<'_, Rule>) -> Transition {
     let whole = span(&p);
-    let mut source = Source::Any(whole);
+    let mut source = None;
     let mut target = None;
     let mut movement = None;
     let mut priority = None;
@@ -295,8 +295,10 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             Rule::source => {
                 let place = span(&p);
                 let inner = p.into_inner().next().expect("a source is `any` or a path");
-                source = if inner.as_rule() == Rule::path { Source::State(path(inner)) } else { Source::Any(place) };
+                source =
+                    Some(if inner.as_rule() == Rule::path { Source::State(path(inner)) } else { Source::Any(place) });
             }
+            Rule::path if source.is_none() => source = Some(Source::State(path(p))),
             Rule::path => target = Some(path(p)),
             Rule::name => {
                 // Only a movement has a name of its own.
@@ -316,6 +318,7 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             _ => {}
         }
     }
+    let source = source.expect("a transition has a source");
     let target = target.expect("a transition has a target");
     Transition { source, target, movement, priority, guard: guard_, effects, description, span: whole }
 }

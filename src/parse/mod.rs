@@ -15,10 +15,14 @@ use crate::ir::ast;
 use pest::Parser;
 use pest::iterators::Pair;
 
-#[derive(pest_derive::Parser)]
-#[grammar = "../grammar/chart.pest"]
-#[allow(missing_docs)]
-struct Grammar;
+use grammar::{Grammar, Rule};
+
+#[allow(missing_docs)] // The grammar file documents its rules.
+mod grammar {
+    #[derive(pest_derive::Parser)]
+    #[grammar = "../grammar/chart.pest"]
+    pub struct Grammar;
+}
 
 /// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped) within the size limit.
 pub fn decode(bytes: Vec<u8>) -> Result<String, Diagnostic> {
@@ -83,6 +87,7 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_variable => Rule::lone_variable,
         Rule::bad_position => Rule::lone_position,
         Rule::bad_item => Rule::lone_item,
+        Rule::bad_outer_item => Rule::lone_outer_item,
         Rule::bad_constraint => Rule::lone_constraint,
         other => unreachable!("{other:?} is no recovery rule"),
     };

@@ -86,7 +86,7 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::call | Rule::function => return None,
         Rule::source => "a state or `any`".into(),
         Rule::effect => "`set` or `reset`".into(),
-        Rule::body => "`{`".into(),
+        Rule::body | Rule::outer_body => "`{`".into(),
         Rule::close => "`}`".into(),
         Rule::EOI => "the end".into(),
         Rule::machine => "`machine`".into(),

@@ -1,0 +1,194 @@
+//! Ladder to drawing: each rung between two rails of its own, a product per row, the coil on the
+//! right.
+//!
+//! Contacts of one rung stand in columns as wide as their longest name; the coils of all rungs stand
+//! in one column.
+
+use super::{Branches, MARGIN, text_width};
+use crate::ir::drawing::{CHAR, Drawing, Element, ElementId, LINE, LadderShape, Point, Rect, Wire};
+use crate::ir::ladder::{Ladder, Rung};
+use crate::ir::plc::{GlobalId, Project};
+use crate::ir::sop::Literal;
+
+/// Width and height of contacts and coils.
+const SYMBOL: (i32, i32) = (20, LINE);
+const RAIL: i32 = 4;
+/// From one row of a rung to the next: a name, a contact, air.
+const ROW: i32 = 40;
+/// Between rungs. Some PLC IDEs order rungs by height and count rungs closer than this as one.
+const RUNG_GAP: i32 = 40;
+/// Where lines branch off between a rail and the first contact, or the last contact and the coil.
+const JUNCTION: i32 = 20;
+/// Between the names of neighbours.
+const GAP: i32 = 20;
+/// Longest line of a comment, in characters.
+const COMMENT: usize = 100;
+
+/// Draws `ladder`.
+pub fn draw(project: &Project, ladder: &Ladder, branches: Branches) -> Drawing<LadderShape> {
+    let rungs: Vec<Plan> = ladder.rungs.iter().map(|r| plan(project, r, branches)).collect();
+    let name = |g: GlobalId| text_width(&project.globals[g].name);
+    let contacts = rungs.iter().map(|p| p.columns.iter().sum::<i32>()).max().unwrap_or(0);
+    let coils = ladder.rungs.iter().map(|r| name(r.coil)).max().unwrap_or(0).max(SYMBOL.0) + GAP;
+    let first = MARGIN + RAIL + JUNCTION;
+    let coil = first + contacts + JUNCTION + coils / 2;
+    let right = coil + coils / 2 + JUNCTION;
+
+    let mut drawing = Drawing { width: right + RAIL + MARGIN, ..Drawing::new() };
+    let mut y = MARGIN;
+    for (index, (rung, plan)) in ladder.rungs.iter().zip(&rungs).enumerate() {
+        y = Frame { project, first, coil, right }.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
+    }
+    let widest = drawing.elements.iter().map(|e| e.area.x + e.area.width).max().unwrap_or(0);
+    drawing.width = drawing.width.max(widest + MARGIN);
+    drawing.height = y - RUNG_GAP + MARGIN;
+    drawing
+}
+
+/// The rows of contacts of a rung and the widths of its columns.
+struct Plan {
+    rows: Vec<Vec<Literal<GlobalId>>>,
+    columns: Vec<i32>,
+}
+
+fn plan(project: &Project, rung: &Rung, branches: Branches) -> Plan {
+    debug_assert!(!rung.condition.is_zero(), "a coil that nothing feeds has no rung");
+    if rung.condition.is_one() {
+        return Plan { rows: Vec::new(), columns: Vec::new() };
+    }
+    let mut rows: Vec<Vec<_>> = rung.condition.products().iter().map(|p| p.literals().to_vec()).collect();
+    let series = rows.iter().any(|r| r.len() > 1);
+    if series && branches == Branches::EqualShape {
+        for row in rows.iter_mut().filter(|r| r.len() == 1) {
+            row.push(row[0]);
+        }
+    }
+    let mut columns = Vec::new();
+    for row in &rows {
+        for (i, literal) in row.iter().enumerate() {
+            let width = text_width(&project.globals[literal.atom].name).max(SYMBOL.0) + GAP;
+            match columns.get_mut(i) {
+                Some(c) => *c = width.max(*c),
+                None => columns.push(width),
+            }
+        }
+    }
+    Plan { rows, columns }
+}
+
+/// What all rungs of a drawing share: where the columns stand.
+struct Frame<'a> {
+    project: &'a Project,
+    /// Left edge of the first column of contacts.
+    first: i32,
+    /// Middle of the coils.
+    coil: i32,
+    /// Left edge of the right rail.
+    right: i32,
+}
+
+impl Frame<'_> {
+    /// Draws a rung from `y` downwards and returns where it ends.
+    fn rung(&self, drawing: &mut Drawing<LadderShape>, index: usize, rung: &Rung, plan: &Plan, y: i32) -> i32 {
+        let comment = comment_area(&rung.comment, y);
+        let y = comment.map_or(y, |c| c.y + c.height + LINE / 2);
+        let height = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
+        let level = y + LINE + SYMBOL.1 / 2;
+
+        let area = Rect { x: MARGIN, y, width: RAIL, height };
+        let rail = drawing.push(Element {
+            shape: LadderShape::LeftRail { rung: index, outlet: level },
+            area,
+            label: None,
+            inputs: Vec::new(),
+        });
+        if let Some(area) = comment {
+            drawing.push(Element { shape: LadderShape::Comment { rung: index }, area, label: None, inputs: Vec::new() });
+        }
+        let start = Point { x: MARGIN + RAIL, y: level };
+
+        let coil = self.symbol(self.coil, level, rung.coil);
+        let mut feeds = Vec::with_capacity(plan.rows.len().max(1));
+        let mut row_level = level;
+        for row in &plan.rows {
+            let (last, from) = self.row(drawing, row, &plan.columns, (rail, start), row_level);
+            let junction = self.coil_column() - JUNCTION / 2;
+            feeds.push(Wire { from: last, path: bend(from, junction, coil.0.left()) });
+            row_level += ROW;
+        }
+        if feeds.is_empty() {
+            feeds.push(Wire { from: rail, path: vec![start, coil.0.left()] });
+        }
+        let (area, label) = coil;
+        let id = drawing.push(Element { shape: LadderShape::Coil { rung: index }, area, label: Some(label), inputs: feeds });
+
+        let rail = Rect { x: self.right, y, width: RAIL, height };
+        let wire = Wire { from: id, path: vec![area.right(), Point { x: rail.x, y: level }] };
+        drawing.push(Element { shape: LadderShape::RightRail, area: rail, label: None, inputs: vec![wire] });
+        y + height
+    }
+
+    /// Draws a product; returns its last contact and where the line leaves it.
+    fn row(
+        &self,
+        drawing: &mut Drawing<LadderShape>,
+        row: &[Literal<GlobalId>],
+        columns: &[i32],
+        (mut from, mut start): (ElementId, Point),
+        level: i32,
+    ) -> (ElementId, Point) {
+        let mut x = self.first;
+        for (literal, width) in row.iter().zip(columns) {
+            let (area, label) = self.symbol(x + width / 2, level, literal.atom);
+            let path = bend(start, self.first - JUNCTION / 2, area.left());
+            let element = Element {
+                shape: LadderShape::Contact(*literal),
+                area,
+                label: Some(label),
+                inputs: vec![Wire { from, path }],
+            };
+            from = drawing.push(element);
+            start = area.right();
+            x += width;
+        }
+        (from, start)
+    }
+
+    /// Left edge of the column of coils.
+    fn coil_column(&self) -> i32 {
+        2 * self.coil - self.right + JUNCTION
+    }
+
+    /// The boxes of a contact or coil at `level` around `x`, and of its name above it.
+    fn symbol(&self, x: i32, level: i32, global: GlobalId) -> (Rect, Rect) {
+        let (width, height) = SYMBOL;
+        let text = text_width(&self.project.globals[global].name);
+        let y = level - height / 2;
+        let area = Rect { x: x - width / 2, y, width, height };
+        (area, Rect { x: x - text / 2, y: y - LINE, width: text, height: LINE })
+    }
+}
+
+/// A line from `start` to `end`, which changes its height, if it has to, at `x`.
+fn bend(start: Point, x: i32, end: Point) -> Vec<Point> {
+    if start.y == end.y {
+        return vec![start, end];
+    }
+    vec![start, Point { x, y: start.y }, Point { x, y: end.y }, end]
+}
+
+fn comment_area(comment: &str, y: i32) -> Option<Rect> {
+    if comment.is_empty() {
+        return None;
+    }
+    let (mut lines, mut widest) = (0, 0);
+    for line in comment.lines() {
+        let length = line.chars().count();
+        widest = widest.max(length.min(COMMENT));
+        // Lines break between words, so some of them stay shorter.
+        lines += 1 + length / (COMMENT * 3 / 4);
+    }
+    let units = |n: usize| i32::try_from(n).expect("a comment is shorter than a source file");
+    let width = units(widest) * CHAR + GAP;
+    Some(Rect { x: MARGIN, y, width, height: units(lines.max(1)) * LINE + LINE / 2 })
+}

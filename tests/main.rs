@@ -1,0 +1,4 @@
+//! The tests that use only the public interface, in one binary.
+
+mod emit;
+mod support;

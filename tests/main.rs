@@ -1,4 +1,6 @@
 //! The tests that use only the public interface, in one binary.
 
 mod emit;
+mod layout;
 mod support;
+mod text;

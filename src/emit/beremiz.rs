@@ -37,12 +37,12 @@ pub fn interface(xml: &mut Xml, project: &Project, program: &Program) {
         if used.is_empty() {
             xml.element("localVars", |xml| {
                 let name = unused_name(project, "Unused");
-                xml.tag("variable").attr("name", name).with(|xml| kind(xml));
+                xml.tag("variable").attr("name", name).with(kind);
             });
         } else {
             xml.element("externalVars", |xml| {
                 for global in used {
-                    xml.tag("variable").attr("name", &project.globals[global].name).with(|xml| kind(xml));
+                    xml.tag("variable").attr("name", &project.globals[global].name).with(kind);
                 }
             });
         }
@@ -118,7 +118,8 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
         match &element.shape {
             SfcShape::Step(id) => {
                 let step = &sfc.steps[*id];
-                let acts = matches!(drawing.elements.get(index + 1), Some(e) if matches!(e.shape, SfcShape::Action { .. }));
+                let acts =
+                    matches!(drawing.elements.get(index + 1), Some(e) if matches!(e.shape, SfcShape::Action { .. }));
                 numbers
                     .tag(xml, "step", area)
                     .attr("name", &step.name)

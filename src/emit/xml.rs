@@ -66,8 +66,7 @@ impl<V: Value + ?Sized> Value for &V {
 impl Xml {
     /// Begins a text with the XML declaration.
     pub fn new() -> Self {
-        let mut xml =
-            Xml { writer: Writer::new_with_indent(Vec::with_capacity(1 << 16), b' ', 2), tag: String::new() };
+        let mut xml = Xml { writer: Writer::new_with_indent(Vec::with_capacity(1 << 16), b' ', 2), tag: String::new() };
         xml.write(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)));
         xml
     }
@@ -162,7 +161,19 @@ fn clean(text: &str) -> Cow<'_, str> {
         return Cow::Borrowed(text);
     }
     let text = text.replace("\r\n", "\n");
-    Cow::Owned(text.chars().map(|c| if c == '\r' { '\n' } else if legal(c) { c } else { '\u{fffd}' }).collect())
+    Cow::Owned(
+        text.chars()
+            .map(|c| {
+                if c == '\r' {
+                    '\n'
+                } else if legal(c) {
+                    c
+                } else {
+                    '\u{fffd}'
+                }
+            })
+            .collect(),
+    )
 }
 
 #[cfg(test)]

@@ -103,7 +103,12 @@ impl Frame<'_> {
             inputs: Vec::new(),
         });
         if let Some(area) = comment {
-            drawing.push(Element { shape: LadderShape::Comment { rung: index }, area, label: None, inputs: Vec::new() });
+            drawing.push(Element {
+                shape: LadderShape::Comment { rung: index },
+                area,
+                label: None,
+                inputs: Vec::new(),
+            });
         }
         let start = Point { x: MARGIN + RAIL, y: level };
 
@@ -120,7 +125,8 @@ impl Frame<'_> {
             feeds.push(Wire { from: rail, path: vec![start, coil.0.left()] });
         }
         let (area, label) = coil;
-        let id = drawing.push(Element { shape: LadderShape::Coil { rung: index }, area, label: Some(label), inputs: feeds });
+        let id =
+            drawing.push(Element { shape: LadderShape::Coil { rung: index }, area, label: Some(label), inputs: feeds });
 
         let rail = Rect { x: self.right, y, width: RAIL, height };
         let wire = Wire { from: id, path: vec![area.right(), Point { x: rail.x, y: level }] };

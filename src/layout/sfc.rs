@@ -52,8 +52,7 @@ pub fn draw(project: &Project, sfc: &Sfc, structure: Structure) -> Drawing<SfcSh
 
 fn condition(project: &Project, e: &Expr<GlobalId>) -> String {
     let mut text = String::new();
-    e.write(&mut text, &IEC, &mut |&g, f| f.write_str(&project.globals[g].name))
-        .expect("a String takes everything");
+    e.write(&mut text, &IEC, &mut |&g, f| f.write_str(&project.globals[g].name)).expect("a String takes everything");
     text
 }
 
@@ -310,10 +309,8 @@ impl Drawer<'_> {
         };
         let condition =
             self.push(Element { shape: SfcShape::Condition { text }, area: beside, label: None, inputs: Vec::new() });
-        let inputs = vec![
-            self.down(from, axis, area.y),
-            Wire { from: condition, path: vec![beside.right(), area.left()] },
-        ];
+        let inputs =
+            vec![self.down(from, axis, area.y), Wire { from: condition, path: vec![beside.right(), area.left()] }];
         let shape = SfcShape::Transition { transition: exit.transition };
         let transition = self.push(Element { shape, area, label: None, inputs });
 
@@ -329,12 +326,8 @@ impl Drawer<'_> {
     fn place_jump(&mut self, to: StepId, axis: i32, row: i32, from: ElementId) -> End {
         let (width, height) = JUMP;
         let area = Rect { x: axis - width / 2, y: top(row), width, height };
-        let label = Rect {
-            x: area.x + width + 4,
-            y: area.y,
-            width: text_width(&self.sfc.steps[to].name),
-            height: LINE,
-        };
+        let label =
+            Rect { x: area.x + width + 4, y: area.y, width: text_width(&self.sfc.steps[to].name), height: LINE };
         let inputs = vec![self.down(from, axis, area.y)];
         let element = self.push(Element { shape: SfcShape::Jump(to), area, label: Some(label), inputs });
         End { element, axis, row: row + 1, jumped: true }

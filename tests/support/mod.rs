@@ -1,4 +1,6 @@
 //! What several tests share.
 
+pub mod charts;
 pub mod plc;
+pub mod read;
 pub mod schema;

@@ -140,7 +140,12 @@ pub fn sample() -> Project {
     rung(&mut outputs, &any([on(f_out), all([on(f_back), off(there), off(stop)])]), motor, CoilKind::Plain);
     rung(&mut outputs, &any([on(f_rest), off(f_run), on(f_off)]), lamp, CoilKind::Plain);
     rung(&mut outputs, &Expr::TRUE, always, CoilKind::Plain);
-    rung(&mut outputs, &any([all([on(there), on(f_out)]), all([on(there), on(f_back)]), on(stop)]), seen, CoilKind::Set);
+    rung(
+        &mut outputs,
+        &any([all([on(there), on(f_out)]), all([on(there), on(f_back)]), on(stop)]),
+        seen,
+        CoilKind::Set,
+    );
     rung(&mut outputs, &on(f_off), seen, CoilKind::Reset);
     program(&mut p, "Outputs", Body::Ladder(outputs));
     p

@@ -6,6 +6,7 @@ mod explain;
 mod invalid;
 mod layers;
 mod layout;
+mod licences;
 mod mutants;
 mod snapshots;
 mod stability;

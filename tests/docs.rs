@@ -37,7 +37,7 @@ fn complete_examples_of_the_language_reference_have_no_errors() {
             other => panic!("docs/language.md:{line}: what is `{other}`?"),
         }
     }
-    assert!(complete >= 3, "the reference has complete examples");
+    assert!(complete > 0, "the reference has a complete example");
 }
 
 #[test]
@@ -46,7 +46,8 @@ fn readme_shows_the_real_indexa() {
     let indexa = std::fs::read_to_string(repository("models/indexa.chart")).expect("INDEXA is there");
     let squeezed = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let model = squeezed(&indexa);
-    let shown = fences(&readme).into_iter().find(|(_, t, _)| t.contains("actuator Vertical")).expect("README shows INDEXA");
+    let shown =
+        fences(&readme).into_iter().find(|(_, t, _)| t.contains("actuator Vertical")).expect("README shows INDEXA");
     for block in shown.1.split("\n\n") {
         assert!(model.contains(&squeezed(block)), "README shows what the model does not say:\n{block}");
     }

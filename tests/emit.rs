@@ -84,10 +84,11 @@ fn expected_rungs(project: &Project, body: &Body) -> Vec<Rung> {
     ladder.rungs.iter().map(rung).collect()
 }
 
-/// Contacts that are drawn twice count once.
+/// Contacts that are drawn twice count once; the rung of a ladder without rungs does not count.
 fn rungs(read: Vec<(String, String, Vec<Vec<String>>)>) -> Vec<Rung> {
     let products = |all: Vec<Vec<String>>| all.into_iter().map(|p| p.into_iter().collect()).collect();
-    read.into_iter().map(|(kind, coil, all)| (kind, coil, products(all))).collect()
+    let real = read.into_iter().filter(|(_, coil, _)| coil != "Unused");
+    real.map(|(kind, coil, all)| (kind, coil, products(all))).collect()
 }
 
 #[test]
@@ -95,9 +96,6 @@ fn the_sample_is_valid_and_means_itself() {
     let project = plc::sample();
     for dialect in DIALECTS {
         let xml = emit(&project, dialect);
-        if let Some(folder) = std::env::var_os("CHARTWRIGHT_DUMP") {
-            std::fs::write(std::path::Path::new(&folder).join(format!("sample-{dialect:?}.xml")), &xml).unwrap();
-        }
         schema::assert_valid("sample", &xml, dialect);
         assert_meaning(&project, &xml, dialect);
         assert_eq!(xml, emit(&project, dialect), "the same bytes twice");

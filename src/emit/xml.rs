@@ -150,12 +150,15 @@ impl Tag<'_> {
         self.xml.end(self.name);
     }
 
-    /// Ends the element: it holds `text` as CDATA, without white space around it.
+    /// Ends the element: it holds `text` as one CDATA section without white space around it, or
+    /// escaped where the text has the marks of such a section in it: there are readers that look for
+    /// these marks before they parse.
     pub fn cdata(self, text: &str) {
-        self.xml.start(self.name, false);
-        for part in BytesCData::escaped(&clean(text)) {
-            self.xml.write(Event::CData(part));
+        if text.contains("]]>") || text.contains("<![CDATA[") {
+            return self.text(text);
         }
+        self.xml.start(self.name, false);
+        self.xml.write(Event::CData(BytesCData::new(clean(text))));
         self.xml.end(self.name);
     }
 
@@ -218,7 +221,7 @@ mod tests {
 
     #[test]
     fn any_text_survives_a_reader() {
-        for text in ["", "]]>", "a]]>]]>b", "-->", "<&>\"'", "]]", "🙂\n\ttab", "&amp;"] {
+        for text in ["", "]]>", "a]]>]]>b", "<![CDATA[", "-->", "<&>\"'", "]]", "🙂\n\ttab", "&amp;"] {
             let mut xml = Xml::new();
             xml.tag("a").attr("b", text).with(|xml| {
                 xml.tag("c").text(text);

@@ -182,7 +182,6 @@ codes! {
     NoInitialState "E301" "a region has no initial state",
     SeveralInitialStates "E302" "a region has several initial states",
     EmptyState "E303" "braces hold no state, or a parallel state fewer than two regions",
-    LeavesFinalState "E304" "a transition leaves a final state",
     NeverEntered "E305" "a state is never entered",
     NeverDone "E306" "a state is never done",
     SamePriority "E307" "two transitions of one source have one priority",

@@ -1,1 +1,38 @@
-//! check
+//! Machine to diagnostics: the rules that a resolved machine has to meet before it is lowered.
+//!
+//! One file per rule, and no rule depends on another. After a run without errors:
+//!
+//! - [`lower`](crate::lower) cannot fail;
+//! - every state can be entered, so every step of every SFC is reached from its initial step;
+//! - no variable is written by two regions in one scan, no actuator driven both ways;
+//! - the corrected filter algorithm leaves no constraint violated (properties 0, 1, 3, 4 and the
+//!   absence of opposite reliefs, under the declared assumptions).
+
+mod coherence;
+mod done;
+mod entered;
+mod fires;
+mod opposed_drives;
+mod priorities;
+mod relation;
+mod size;
+mod unused;
+mod writes;
+
+use crate::base::Diagnostics;
+use crate::ir::chart::Machine;
+
+/// Applies every rule.
+pub fn check(machine: &Machine) -> Diagnostics {
+    let mut found = Diagnostics::new();
+    size::check(machine, &mut found);
+    entered::check(machine, &mut found);
+    done::check(machine, &mut found);
+    priorities::check(machine, &mut found);
+    fires::check(machine, &mut found);
+    writes::check(machine, &mut found);
+    opposed_drives::check(machine, &mut found);
+    coherence::check(machine, &mut found);
+    unused::check(machine, &mut found);
+    found
+}

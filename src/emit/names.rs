@@ -16,7 +16,7 @@ use crate::base::LineIndex;
 use crate::ir::plc::{Body, Origin, Project, Role};
 
 /// Writes the table of names of `project`, whose model's text `lines` was made from.
-pub fn names(project: &Project, lines: &LineIndex) -> String {
+pub fn table(project: &Project, lines: &LineIndex) -> String {
     let mut table = Table { csv: String::from("name,kind,program,model,line,column,description\n"), lines };
     for global in project.globals.values() {
         table.row(&global.name, role(global.role), "", &global.origin, &global.description);

@@ -393,6 +393,19 @@ impl Machine {
         }
     }
 
+    /// What an expression reads, as a model writes it.
+    pub fn atom(&self, atom: Atom) -> String {
+        match atom {
+            Atom::Input(i) => self.inputs[i].name.clone(),
+            Atom::PrevInput(i) => format!("prev({})", self.inputs[i].name),
+            Atom::Output(o) => self.outputs[o].name.clone(),
+            Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
+            Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::In(s) => format!("in({})", self.state_path(s)),
+            Atom::Done(s) => format!("done({})", self.state_path(s)),
+        }
+    }
+
     /// For each region, the transitions whose scope it is, in the order in which they are tried:
     /// outermost source first, then explicit priority, then as written.
     pub fn scoped(&self) -> Vec<Vec<TransitionId>> {

@@ -1,1 +1,97 @@
-//! resolve
+//! Syntax tree to machine: every name becomes an id, or an error.
+//!
+//! Gone after it: names as references, `any`, `move` (it is a state of its own with two
+//! transitions), `rise` and `fall`, actuators' technology laws (they are drives), the short form of
+//! actuators, transitions without a guard.
+//!
+//! The steps run in this order, each in a file of its own:
+//!
+//! 1. [`signals`]: inputs, outputs, variables
+//! 2. [`actuators`]: positions, outputs and sensors by technology
+//! 3. [`states`]: charts, regions and states, movements among them
+//! 4. [`transitions`]: transitions and what they do
+//! 5. [`behaviour`]: what states drive, set and reset
+//! 6. [`safety`]: constraints and assumptions, split into products
+
+mod actuators;
+mod behaviour;
+mod expressions;
+mod names;
+mod safety;
+mod signals;
+mod states;
+mod transitions;
+
+use crate::base::{Code, Diagnostic, Diagnostics, Id};
+use crate::ir::{ast, chart};
+use names::Names;
+
+/// Resolves a tree. The machine is whole only if there is no error among the diagnostics.
+pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
+    let mut resolver = Resolver {
+        machine: chart::Machine {
+            name: tree.name.text.clone(),
+            description: names::describe(&tree.description),
+            ..chart::Machine::default()
+        },
+        names: Names::default(),
+        diagnostics: Diagnostics::new(),
+    };
+    resolver.legal(&tree.name);
+    resolver.cycle(tree);
+    signals::resolve(&mut resolver, tree);
+    actuators::resolve(&mut resolver, tree);
+    let bodies = states::resolve(&mut resolver, tree);
+    transitions::resolve(&mut resolver, &bodies);
+    behaviour::resolve(&mut resolver, &bodies);
+    safety::resolve(&mut resolver, tree);
+    (resolver.machine, resolver.diagnostics)
+}
+
+/// What the steps share.
+struct Resolver {
+    machine: chart::Machine,
+    names: Names,
+    diagnostics: Diagnostics,
+}
+
+/// The braces of a region or state, kept beside what they became, for the steps after the states.
+struct ResolvedBody<'a> {
+    body: &'a ast::Body,
+    /// The region in which its transitions are written and its names are looked up first.
+    region: Id<chart::Region>,
+    /// Whether `region` is what the braces hold, so that `any` means its states.
+    owns_region: bool,
+    /// The state whose braces they are; nothing for a chart or a region.
+    state: Option<Id<chart::State>>,
+    /// The movements written here, by index of their transition.
+    movements: Vec<(usize, Id<chart::State>)>,
+}
+
+/// Cycle time of a model that does not give one, in milliseconds.
+const DEFAULT_CYCLE: u32 = 10;
+
+/// Longest cycle time, in milliseconds: one hour.
+const LONGEST_CYCLE: u32 = 3_600_000;
+
+impl Resolver {
+    fn cycle(&mut self, tree: &ast::Machine) {
+        self.machine.cycle = DEFAULT_CYCLE;
+        for (i, cycle) in tree.cycles.iter().enumerate() {
+            if i > 0 {
+                self.diagnostics.push(
+                    Diagnostic::new(Code::Repeated, "the cycle time is given more than once")
+                        .label(cycle.span, "given again")
+                        .label(tree.cycles[0].span, "first given here"),
+                );
+            }
+            match cycle.milliseconds {
+                Some(ms @ 1..=LONGEST_CYCLE) => self.machine.cycle = ms,
+                _ => self.diagnostics.push(
+                    Diagnostic::new(Code::BadCycle, "a cycle takes from 1 ms to one hour")
+                        .label(cycle.span, "out of range"),
+                ),
+            }
+        }
+    }
+}

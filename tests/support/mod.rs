@@ -1,6 +1,7 @@
 //! What several tests share.
 
 pub mod charts;
+pub mod models;
 pub mod plc;
 pub mod read;
 pub mod schema;

@@ -1,0 +1,24 @@
+//! A region fits into one SFC.
+
+use crate::base::{Code, Diagnostic, Diagnostics, limits};
+use crate::ir::chart::Machine;
+
+pub fn check(machine: &Machine, found: &mut Diagnostics) {
+    for (id, region) in machine.regions.iter() {
+        if region.states.len() > limits::REGION_STATES {
+            let path = machine.region_path(id);
+            found.push(
+                Diagnostic::new(
+                    Code::TooManyStates,
+                    format!(
+                        "`{path}` has {} states; at most {} fit into one SFC",
+                        region.states.len(),
+                        limits::REGION_STATES
+                    ),
+                )
+                .label(region.span, "movements count as states")
+                .help("gather states that belong together into composite states: each becomes an SFC of its own"),
+            );
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What is declared is used.
+
+use crate::base::{Code, Diagnostic, Diagnostics};
+use crate::ir::chart::{Atom, Guard, Machine};
+
+pub fn check(machine: &Machine, found: &mut Diagnostics) {
+    let mut inputs = vec![false; machine.inputs.len()];
+    let mut read = vec![false; machine.variables.len()];
+    let mut written = vec![false; machine.variables.len()];
+    let mut driven = vec![false; machine.outputs.len()];
+    let mut look = |guard: &Guard| {
+        guard.for_each_atom(&mut |atom| match *atom {
+            Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
+            Atom::Variable(v) => read[v.index()] = true,
+            Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) => {}
+        });
+    };
+    for t in machine.transitions.values() {
+        look(&t.guard);
+        t.effects.iter().for_each(|(v, _)| written[v.index()] = true);
+    }
+    for state in machine.states.values() {
+        for d in &state.drives {
+            look(&d.condition);
+            driven[d.output.index()] = true;
+        }
+        for a in &state.actions {
+            look(&a.condition);
+            written[a.variable.index()] = true;
+        }
+    }
+    machine.safety.constraints.values().for_each(|c| look(&c.never));
+    machine.safety.assumptions.iter().for_each(|a| look(&a.never));
+    machine.actuators.values().flat_map(|a| &a.positions).filter_map(|p| p.sensor.as_ref()).for_each(look);
+
+    for (id, input) in machine.inputs.iter() {
+        if !inputs[id.index()] {
+            found.push(
+                Diagnostic::new(Code::NeverUsed, format!("the input `{}` is never read", input.name))
+                    .label(input.span, "declared here"),
+            );
+        }
+    }
+    for (id, variable) in machine.variables.iter() {
+        let problem = match (read[id.index()], written[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never read",
+            (true, false) => "never set or reset",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the variable `{}` is {problem}", variable.name))
+                .label(variable.span, "declared here"),
+        );
+    }
+    for (id, output) in machine.outputs.iter() {
+        if !driven[id.index()] {
+            found.push(
+                Diagnostic::new(Code::NeverDriven, format!("no state drives `{}`", output.name))
+                    .label(output.span, "stays FALSE unless a constraint forces it")
+                    .help("write `drives` in a state, or let a region control its actuator"),
+            );
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! What guards read from other programs to latched conditions, and who fires to coils.
+//!
+//! Every method gives the global that stands for a question, and on the first asking makes it and
+//! its rung. All rungs run before the chart's step, on flags that the scan before has left.
+
+use super::context::{Condition, Conditions, Context, origin};
+use super::rungs::{self, rung};
+use crate::ir::chart::{RegionId, StateId, TransitionId};
+use crate::ir::expr::Expr;
+use crate::ir::ladder::{CoilKind, Ladder, Rung};
+use crate::ir::plc::{GlobalId, Role};
+
+/// From this many transitions out of one step on, their order is a chain of coils: pairwise
+/// exclusion would grow with the square.
+const CHAINED: usize = 8;
+
+impl Context<'_> {
+    /// The value of an input in the scan before; in the first scan that of this one.
+    pub fn previous(&mut self, input: usize) -> GlobalId {
+        if let Some(&id) = self.conditions.previous.get(&input) {
+            return id;
+        }
+        let signal = &self.globals[self.inputs[input]];
+        let (name, text, origin) =
+            (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin.clone());
+        let name = self.names.give("Was", &name);
+        let id = self.global(name, Role::Condition, text, origin);
+        self.conditions.previous.insert(input, id);
+        id
+    }
+
+    /// Whether the state was active when the scan began.
+    pub fn active(&mut self, state: StateId) -> GlobalId {
+        if let Some(&id) = self.conditions.active.get(&state) {
+            return id;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state("In", state);
+        let text = format!("{path} was active when the scan began");
+        let flag = Expr::Atom(self.flags[state.index()]);
+        let id = self.latch(name, text, format!("in({path})"), state, &flag);
+        self.conditions.active.insert(state, id);
+        id
+    }
+
+    /// Whether every region of the state was in a final state when the scan began.
+    pub fn done(&mut self, state: StateId) -> GlobalId {
+        if let Some(&id) = self.conditions.done.get(&state) {
+            return id;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state("Done", state);
+        let text = format!("{path} was done when the scan began");
+        let condition = self.done_by_flags(state);
+        let id = self.latch(name, text, format!("done({path})"), state, &condition);
+        self.conditions.done.insert(state, id);
+        id
+    }
+
+    fn latch(&mut self, name: String, text: String, what: String, state: StateId, condition: &Condition) -> GlobalId {
+        let id = self.global(name, Role::Condition, text.clone(), origin(what, self.machine.states[state].span));
+        let mut rungs = std::mem::take(&mut self.conditions.latches);
+        rung(self, &mut rungs, (id, CoilKind::Plain), condition, text);
+        self.conditions.latches = rungs;
+        id
+    }
+
+    /// Whether the transition's source was active and its guard holds.
+    pub fn enabled(&mut self, transition: TransitionId) -> GlobalId {
+        if let Some(&id) = self.conditions.enabled.get(&transition) {
+            return id;
+        }
+        let (name, what, span) = self.about("En", transition);
+        let text = format!("{what} is enabled");
+        let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+        self.conditions.enabled.insert(transition, id);
+        let t = &self.machine.transitions[transition];
+        let source = Expr::Atom(self.flags[t.source.index()]);
+        // The source's own flag says all that its latched form would.
+        let own = Some(self.machine.states[t.source].region);
+        let guard = self.guard(&t.guard, own);
+        let mut rungs = std::mem::take(&mut self.conditions.enabling);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::all([source, guard]), text);
+        self.conditions.enabling = rungs;
+        id
+    }
+
+    /// Whether a transition further out takes the region's branch away in this scan; nothing if none
+    /// can.
+    fn overruled(&mut self, region: RegionId) -> Option<GlobalId> {
+        if let Some(&id) = self.conditions.overruled.get(&region) {
+            return id;
+        }
+        let parent = self.machine.regions[region].parent;
+        let mut reasons = Vec::new();
+        if let Some(parent) = parent {
+            let outer = self.machine.states[parent].region;
+            reasons.extend(self.overruled(outer));
+            for t in self.leaving(outer, parent) {
+                reasons.push(self.enabled(t));
+            }
+        }
+        let id = (!reasons.is_empty()).then(|| {
+            let path = self.machine.region_path(region);
+            let name = self.names.region("Bar", region);
+            let text = format!("a transition further out leaves {path}");
+            let id = self.global(
+                name,
+                Role::Condition,
+                text.clone(),
+                origin(format!("region {path}"), self.machine.regions[region].span),
+            );
+            let condition = Expr::any(reasons.into_iter().map(Expr::Atom));
+            let mut rungs = std::mem::take(&mut self.conditions.ranking);
+            rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
+            self.conditions.ranking = rungs;
+            id
+        });
+        self.conditions.overruled.insert(region, id);
+        id
+    }
+
+    /// The transitions of scope `region` that leave its state `state`, in the order in which they
+    /// are tried.
+    pub fn leaving(&self, region: RegionId, state: StateId) -> Vec<TransitionId> {
+        let all = self.scoped[region.index()].iter().copied();
+        all.filter(|&t| self.machine.child_in(region, self.machine.transitions[t].source) == Some(state)).collect()
+    }
+
+    /// Whether the transition fires in this scan: it is enabled, none before it is, none further out
+    /// is.
+    pub fn fires(&mut self, transition: TransitionId) -> GlobalId {
+        if let Some(&id) = self.conditions.fires.get(&transition) {
+            return id;
+        }
+        let (name, what, span) = self.about("Go", transition);
+        let text = format!("{what} fires");
+        let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+        self.conditions.fires.insert(transition, id);
+        let t = &self.machine.transitions[transition];
+        let state = self.machine.child_in(t.scope, t.source).expect("the scope holds the source");
+        let rivals = self.leaving(t.scope, state);
+        let rank = rivals.iter().position(|&r| r == transition).expect("a transition is its own rival");
+        let mut parts = vec![Expr::Atom(self.enabled(transition))];
+        if rivals.len() > CHAINED {
+            if rank > 0 {
+                parts.push(Expr::Atom(self.some_up_to(&rivals, rank - 1)).not());
+            }
+        } else {
+            for &rival in &rivals[..rank] {
+                parts.push(Expr::Atom(self.enabled(rival)).not());
+            }
+        }
+        if let Some(bar) = self.overruled(t.scope) {
+            parts.push(Expr::Atom(bar).not());
+        }
+        let mut rungs = std::mem::take(&mut self.conditions.firing);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::all(parts), text);
+        self.conditions.firing = rungs;
+        id
+    }
+
+    /// Whether one of `rivals[..=last]` is enabled: a chain of coils, each the one before or one more.
+    fn some_up_to(&mut self, rivals: &[TransitionId], last: usize) -> GlobalId {
+        let known = (0..=last).rev().find_map(|i| Some((i, *self.conditions.before.get(&rivals[i])?)));
+        let (mut next, mut chain) = known.map_or((0, None), |(i, id)| (i + 1, Some(id)));
+        while next <= last {
+            let one = Expr::Atom(self.enabled(rivals[next]));
+            let (name, what, span) = self.about("Any", rivals[next]);
+            let text = format!("{what} or one tried before it is enabled");
+            let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+            let condition = Expr::any(chain.map(Expr::Atom).into_iter().chain([one]));
+            let mut rungs = std::mem::take(&mut self.conditions.ranking);
+            rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
+            self.conditions.ranking = rungs;
+            self.conditions.before.insert(rivals[next], id);
+            chain = Some(id);
+            next += 1;
+        }
+        chain.expect("the chain has a link")
+    }
+
+    /// Whether the state's region is told in this scan to start at the state.
+    pub fn entered(&mut self, state: StateId, by: &[TransitionId]) -> GlobalId {
+        if let Some(&id) = self.conditions.entered.get(&state) {
+            return id;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state("Ent", state);
+        let text = format!("a transition enters {path}");
+        let id = self.global(
+            name,
+            Role::Condition,
+            text.clone(),
+            origin(format!("state {path}"), self.machine.states[state].span),
+        );
+        self.conditions.entered.insert(state, id);
+        let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(self.fires(t))).collect();
+        let mut rungs = std::mem::take(&mut self.conditions.entering);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
+        self.conditions.entering = rungs;
+        id
+    }
+
+    /// Whether the order of the transitions that leave a step is decided by coils.
+    pub fn is_chained(&self, rivals: &[TransitionId]) -> bool {
+        rivals.len() > CHAINED
+    }
+
+    fn about(&mut self, word: &str, transition: TransitionId) -> (String, String, crate::base::Span) {
+        let t = &self.machine.transitions[transition];
+        let what = format!("transition {} -> {}", self.machine.state_path(t.source), self.machine.state_path(t.target));
+        (self.names.transition(word, transition), what, t.span)
+    }
+}
+
+/// The program of all that has been asked for.
+pub fn finish(context: &mut Context<'_>) -> Ladder {
+    let mut rungs = Vec::new();
+    previous_values(context, &mut rungs);
+    let Conditions { latches, enabling, ranking, firing, entering, .. } = std::mem::take(&mut context.conditions);
+    for group in [latches, enabling, ranking, firing, entering] {
+        rungs.extend(group);
+    }
+    Ladder { rungs }
+}
+
+/// Two coils per input whose past is read: what it was, and what it is for the next scan. In the
+/// first scan, when nothing has started yet, it was what it is.
+fn previous_values(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let previous = context.conditions.previous.clone();
+    if previous.is_empty() {
+        return;
+    }
+    let name = context.names.fixed("Started");
+    let started = context.global(name, Role::Condition, "the first scan is over".into(), rungs::own());
+    for (&input, &was) in &previous {
+        let signal = context.inputs[input];
+        let now_name = context.names.give("Now", &context.globals[signal].name.clone());
+        let text = format!("{} for the next scan", context.globals[signal].name);
+        let kept = context.globals[signal].origin.clone();
+        let now = context.global(now_name, Role::Condition, text.clone(), kept);
+        let then = Expr::any([
+            Expr::all([Expr::Atom(started), Expr::Atom(now)]),
+            Expr::all([Expr::Atom(started).not(), Expr::Atom(signal)]),
+        ]);
+        let comment = context.globals[was].description.clone();
+        rung(context, rungs, (was, CoilKind::Plain), &then, comment);
+        rung(context, rungs, (now, CoilKind::Plain), &Expr::Atom(signal), text);
+    }
+    rung(context, rungs, (started, CoilKind::Plain), &Expr::TRUE, "the first scan is over".into());
+}

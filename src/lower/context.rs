@@ -1,0 +1,170 @@
+//! What the passes share: the globals made so far and which of them stands for what.
+
+use super::entries::Entries;
+use super::names::Names;
+use crate::base::{Arena, Span};
+use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::expr::Expr;
+use crate::ir::ladder::Rung;
+use crate::ir::plc::{Global, GlobalId, Origin, Role};
+use std::collections::BTreeMap;
+
+/// An expression over globals.
+pub type Condition = Expr<GlobalId>;
+
+/// What the passes share.
+pub struct Context<'m> {
+    pub machine: &'m Machine,
+    pub names: Names,
+    pub globals: Arena<Global>,
+    pub inputs: Vec<GlobalId>,
+    pub outputs: Vec<GlobalId>,
+    pub variables: Vec<GlobalId>,
+    /// For each state, TRUE while its step is active.
+    pub flags: Vec<GlobalId>,
+    /// For each output, what the chart wants of it; filled by the pass that computes it.
+    pub commands: Vec<GlobalId>,
+    /// For each region, the transitions whose scope it is, in the order in which they are tried.
+    pub scoped: Vec<Vec<TransitionId>>,
+    pub entries: Entries,
+    pub conditions: Conditions,
+}
+
+/// The conditions asked for so far, and the rungs that compute them, in groups that depend only on
+/// earlier groups and on earlier rungs of their own.
+#[derive(Default)]
+pub struct Conditions {
+    pub previous: BTreeMap<usize, GlobalId>,
+    pub active: BTreeMap<StateId, GlobalId>,
+    pub done: BTreeMap<StateId, GlobalId>,
+    pub enabled: BTreeMap<TransitionId, GlobalId>,
+    pub overruled: BTreeMap<RegionId, Option<GlobalId>>,
+    pub fires: BTreeMap<TransitionId, GlobalId>,
+    pub before: BTreeMap<TransitionId, GlobalId>,
+    pub entered: BTreeMap<StateId, GlobalId>,
+    pub latches: Vec<Rung>,
+    pub enabling: Vec<Rung>,
+    pub ranking: Vec<Rung>,
+    pub firing: Vec<Rung>,
+    pub entering: Vec<Rung>,
+}
+
+impl<'m> Context<'m> {
+    /// Globals for signals, variables and states; those with an address first.
+    pub fn new(machine: &'m Machine) -> Self {
+        let scoped = machine.scoped();
+        let mut context = Context {
+            machine,
+            names: Names::new(machine),
+            globals: Arena::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            variables: Vec::new(),
+            flags: Vec::new(),
+            commands: Vec::new(),
+            entries: Entries::of(machine),
+            scoped,
+            conditions: Conditions::default(),
+        };
+        context.signals();
+        for v in machine.variables.values() {
+            let origin = origin(format!("variable {}", v.name), v.span);
+            let id = context.globals.push(Global {
+                name: v.name.clone(),
+                address: None,
+                initial: v.initial,
+                role: Role::Variable,
+                description: v.description.clone(),
+                origin,
+            });
+            context.variables.push(id);
+        }
+        for (id, state) in machine.states.iter() {
+            let name = context.names.state("X", id);
+            let path = machine.state_path(id);
+            let text =
+                if state.description.is_empty() { format!("{path} is active") } else { state.description.clone() };
+            let flag = context.global(name, Role::StepFlag, text, origin(format!("state {path}"), state.span));
+            context.flags.push(flag);
+        }
+        context
+    }
+
+    fn signals(&mut self) {
+        let machine = self.machine;
+        let inputs = machine.inputs.values().map(|i| (&i.name, &i.address, &i.description, i.span, Role::Input));
+        let outputs = machine.outputs.values().map(|o| (&o.name, &o.address, &o.description, o.span, Role::Output));
+        let signals: Vec<_> = inputs.chain(outputs).collect();
+        let mut ids = vec![None; signals.len()];
+        for located in [true, false] {
+            for (i, (name, address, description, span, role)) in signals.iter().enumerate() {
+                if address.is_some() == located {
+                    let what = if *role == Role::Input { "input" } else { "output" };
+                    ids[i] = Some(self.globals.push(Global {
+                        name: (*name).clone(),
+                        address: (*address).clone(),
+                        initial: false,
+                        role: *role,
+                        description: (*description).clone(),
+                        origin: origin(format!("{what} {name}"), *span),
+                    }));
+                }
+            }
+        }
+        let mut ids = ids.into_iter().flatten();
+        self.inputs = ids.by_ref().take(machine.inputs.len()).collect();
+        self.outputs = ids.collect();
+    }
+
+    /// A new global that is FALSE before the first scan.
+    pub fn global(&mut self, name: String, role: Role, description: String, origin: Origin) -> GlobalId {
+        self.globals.push(Global { name, address: None, initial: false, role, description, origin })
+    }
+
+    /// A guard as a program reads it that runs before the chart's step or takes part in it. Flags of
+    /// `own` region's steps are read directly: its SFC writes them after it has tried its
+    /// transitions. Those of others are latched.
+    pub fn guard(&mut self, guard: &Guard, own: Option<RegionId>) -> Condition {
+        guard.map(&mut |atom| match *atom {
+            Atom::In(s) if own == Some(self.machine.states[s].region) => Expr::Atom(self.flags[s.index()]),
+            Atom::In(s) => Expr::Atom(self.active(s)),
+            Atom::Done(s) => Expr::Atom(self.done(s)),
+            other => self.value(other),
+        })
+    }
+
+    /// A condition as a program reads it that runs after the chart's step.
+    pub fn after_step(&mut self, condition: &Guard) -> Condition {
+        condition.map(&mut |atom| match *atom {
+            Atom::In(s) => Expr::Atom(self.flags[s.index()]),
+            Atom::Done(s) => self.done_by_flags(s),
+            other => self.value(other),
+        })
+    }
+
+    /// What every program reads alike. Outputs are written by the last rungs of the last program, so
+    /// until then they hold the value of the scan before.
+    pub fn value(&mut self, atom: Atom) -> Condition {
+        Expr::Atom(match atom {
+            Atom::Input(i) => self.inputs[i.index()],
+            Atom::PrevInput(i) => self.previous(i.index()),
+            Atom::PrevOutput(o) => self.outputs[o.index()],
+            Atom::Variable(v) => self.variables[v.index()],
+            Atom::Output(_) | Atom::In(_) | Atom::Done(_) => unreachable!("{atom:?} depends on where it is read"),
+        })
+    }
+
+    /// Whether every region of the state is in a final state, by the flags as they are.
+    pub fn done_by_flags(&self, state: StateId) -> Condition {
+        Expr::all(self.machine.states[state].regions.iter().map(|&r| {
+            let states = self.machine.regions[r].states.iter();
+            let finals = states.filter(|&&s| self.machine.states[s].kind == StateKind::Final);
+            Expr::any(finals.map(|s| Expr::Atom(self.flags[s.index()])).collect::<Vec<_>>())
+        }))
+    }
+}
+
+/// What stands at a place of the model.
+pub fn origin(what: String, span: Span) -> Origin {
+    Origin { what, span: Some(span) }
+}

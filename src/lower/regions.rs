@@ -1,0 +1,160 @@
+//! Regions to SFC programs: a step per state, an idle step, and transitions that exclude each other.
+
+use super::context::{Condition, Context, origin};
+use crate::base::Arena;
+use crate::ir::chart::{RegionId, StateId};
+use crate::ir::expr::Expr;
+use crate::ir::plc::{Body, Origin, Program};
+use crate::ir::sfc::{Sfc, Step, StepId, Transition};
+
+/// One program per region, parents before children.
+pub fn lower(context: &mut Context<'_>) -> Vec<Program> {
+    context.machine.regions.ids().map(|r| program(context, r)).collect()
+}
+
+fn program(context: &mut Context<'_>, id: RegionId) -> Program {
+    let region = &context.machine.regions[id];
+    let path = context.machine.region_path(id);
+    let (kind, described) = match (region.parent, &region.name) {
+        (None, None) => ("chart", &context.machine.charts[region.chart].description),
+        (Some(parent), None) => ("state", &context.machine.states[parent].description),
+        (_, Some(_)) => ("region", &region.description),
+    };
+    let description = if described.is_empty() { format!("{kind} {path}") } else { described.clone() };
+    let name = context.names.region("Prg", id);
+    let instance = context.names.region("I", id);
+    let body = Body::Sfc(sfc(context, id));
+    Program { name, instance, description, body, origin: origin(format!("{kind} {path}"), region.span) }
+}
+
+fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
+    let machine = context.machine;
+    let region = &machine.regions[id];
+    let mut steps = Arena::new();
+    let what = format!("{} is not active", machine.region_path(id));
+    let idle = steps.push(Step {
+        name: context.names.region("Idle", id),
+        flag: None,
+        description: what.clone(),
+        origin: Origin { what, span: None },
+    });
+    for &s in &region.states {
+        let state = &machine.states[s];
+        steps.push(Step {
+            name: context.names.state("S", s),
+            flag: Some(context.flags[s.index()]),
+            description: state.description.clone(),
+            origin: origin(format!("state {}", machine.state_path(s)), state.span),
+        });
+    }
+    let mut sfc = Sfc { steps, transitions: Vec::new() };
+    let step_of = |s: StateId| {
+        let at = region.states.iter().position(|&t| t == s).expect("the region holds the state");
+        StepId::from_index(at + 1)
+    };
+
+    let parent = region.parent.map(|p| Expr::Atom(context.flags[p.index()]));
+    let running = parent.clone().unwrap_or(Expr::TRUE);
+    let told: Vec<(StateId, bool, Condition)> = {
+        let entries: Vec<_> = context.entries.of_region(id).map(|(s, e)| (s, e.clone())).collect();
+        entries.into_iter().map(|(s, e)| (s, e.reenters, Expr::Atom(context.entered(s, &e.by)))).collect()
+    };
+
+    // Out of the idle step: where the region is told to start, else at its initial state.
+    let mut out = Leaving::new(idle, running.clone());
+    for (state, _, told) in told.iter().filter(|(s, ..)| *s != region.initial) {
+        out.unless(
+            told.clone(),
+            step_of(*state),
+            origin(format!("entry of {}", machine.state_path(*state)), machine.states[*state].span),
+        );
+    }
+    out.otherwise(
+        step_of(region.initial),
+        origin(format!("initial state of {}", machine.region_path(id)), region.span),
+    );
+    sfc.transitions.append(&mut out.list);
+
+    // Positions of the steps' transitions: grouped once, so that the cost stays linear.
+    let mut leaving: Vec<Vec<_>> = vec![Vec::new(); region.states.len()];
+    for &t in &context.scoped[id.index()] {
+        let child = machine.child_in(id, machine.transitions[t].source).expect("the scope holds the source");
+        leaving[step_of(child).index() - 1].push(t);
+    }
+    for (&state, rivals) in region.states.iter().zip(&leaving) {
+        let mut out = Leaving::new(step_of(state), running.clone());
+        if let Some(parent) = &parent {
+            let what = format!("{} is left", machine.region_path(id));
+            out.when(parent.clone().not(), idle, Origin { what, span: None });
+        }
+        for (entry, _, told) in told.iter().filter(|(_, reenters, _)| *reenters) {
+            out.unless(
+                told.clone(),
+                step_of(*entry),
+                origin(format!("entry of {}", machine.state_path(*entry)), machine.states[*entry].span),
+            );
+        }
+        let chained = context.is_chained(rivals);
+        for &t in rivals {
+            let transition = &machine.transitions[t];
+            let target = machine.child_in(id, transition.target).expect("the scope holds the target");
+            let from = origin(
+                format!(
+                    "transition {} -> {}",
+                    machine.state_path(transition.source),
+                    machine.state_path(transition.target)
+                ),
+                transition.span,
+            );
+            if chained {
+                let fires = Expr::Atom(context.fires(t));
+                out.when(Expr::all([running.clone(), fires]), step_of(target), from);
+                continue;
+            }
+            // Whoever else needs to know has a coil for it; else the guard stands here.
+            let needs_coil = transition.source != state || context.conditions.enabled.contains_key(&t);
+            let condition = if needs_coil || context.entries.tells(t) || !transition.effects.is_empty() {
+                Expr::Atom(context.enabled(t))
+            } else {
+                context.guard(&transition.guard, Some(id))
+            };
+            out.unless(condition, step_of(target), from);
+        }
+        sfc.transitions.append(&mut out.list);
+    }
+    sfc
+}
+
+/// The transitions out of one step, in order of priority.
+struct Leaving {
+    from: StepId,
+    /// Holds for all that follow: the region runs, and nothing before them is the case.
+    rest: Vec<Condition>,
+    list: Vec<Transition>,
+}
+
+impl Leaving {
+    fn new(from: StepId, running: Condition) -> Self {
+        Leaving { from, rest: vec![running], list: Vec::new() }
+    }
+
+    /// A transition with exactly this condition.
+    fn when(&mut self, condition: Condition, to: StepId, origin: Origin) {
+        let priority = self.list.len() as u32 + 1;
+        self.list.push(Transition { from: self.from, to, priority, condition, origin });
+    }
+
+    /// A transition if the condition holds and none before it.
+    fn unless(&mut self, condition: Condition, to: StepId, origin: Origin) {
+        let whole = Expr::all(self.rest.iter().cloned().chain([condition.clone()]));
+        self.rest.push(condition.not());
+        if whole != Expr::FALSE {
+            self.when(whole, to, origin);
+        }
+    }
+
+    /// A transition if nothing before it is the case.
+    fn otherwise(&mut self, to: StepId, origin: Origin) {
+        self.unless(Expr::TRUE, to, origin);
+    }
+}

@@ -1,0 +1,55 @@
+//! Written drives and actions to those of states, after the drives that technology demands.
+
+use super::expressions::Context;
+use super::{ResolvedBody, Resolver};
+use crate::ir::chart::{self, StateKind, Technology};
+use crate::ir::{ast, expr::Expr};
+
+pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
+    technology(r);
+    for body in bodies {
+        let Some(state) = body.state else { continue };
+        let context = Context::Active { region: body.region };
+        for written in &body.body.drives {
+            let condition = condition(r, &written.condition, &context);
+            if let Some(output) = r.output(&written.output) {
+                let drive = chart::Drive { output, condition, technology: false, span: written.output.span };
+                r.machine.states[state].drives.push(drive);
+            }
+        }
+        for written in &body.body.actions {
+            let condition = condition(r, &written.condition, &context);
+            if let Some(variable) = r.variable(&written.variable) {
+                let action = chart::Action { variable, value: written.value, condition, span: written.variable.span };
+                r.machine.states[state].actions.push(action);
+            }
+        }
+    }
+}
+
+fn condition(r: &mut Resolver, written: &Option<ast::Guard>, context: &Context) -> chart::Guard {
+    written.as_ref().map_or(Expr::TRUE, |g| r.guard(g, context))
+}
+
+/// The output law (seed 002, section 3): bistable between the positions, monostable between and in
+/// the position of its output, on/off in the position only.
+fn technology(r: &mut Resolver) {
+    let machine = &mut r.machine;
+    for state in machine.states.ids() {
+        let Some(actuator) = machine.regions[machine.states[state].region].actuator else { continue };
+        let actuator = &machine.actuators[actuator];
+        let at = machine.states[state].position;
+        let driven = match (machine.states[state].kind, actuator.technology) {
+            (StateKind::Movement { to }, Technology::Bistable | Technology::Monostable) => Some(to),
+            (StateKind::Movement { .. }, Technology::OnOff) => None,
+            (_, Technology::Bistable) => None,
+            (_, Technology::Monostable | Technology::OnOff) => at,
+        };
+        let output = driven.and_then(|p| actuator.positions.get(p)).and_then(|p| p.output);
+        if let Some(output) = output {
+            let span = machine.states[state].span;
+            let drive = chart::Drive { output, condition: Expr::TRUE, technology: true, span };
+            machine.states[state].drives.push(drive);
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Written conditions to guards: what may be read where.
+
+use super::Resolver;
+use super::names::{Symbol, kind};
+use crate::base::{Code, Diagnostic, Span};
+use crate::ir::ast::{self, PathRef, Term};
+use crate::ir::chart::{self, Atom, Guard};
+use crate::ir::expr::Expr;
+
+/// Where a condition stands, which decides what it may read.
+#[derive(Clone, Copy, Debug)]
+pub enum Context {
+    /// `sensor …`: inputs.
+    Sensor,
+    /// `when …` of a transition: all but outputs of this scan.
+    Guard {
+        /// Where names of states are looked up first.
+        region: chart::RegionId,
+        /// What `done` alone means.
+        source: chart::StateId,
+    },
+    /// `when …` of a drive or action of an active state.
+    Active {
+        /// Where names of states are looked up first.
+        region: chart::RegionId,
+    },
+    /// `never …`: all but states.
+    Constraint,
+    /// `assume … never …`: all but states and outputs of this scan.
+    Assumption,
+}
+
+impl Resolver {
+    /// Resolves a condition; what cannot be resolved is reported and reads FALSE.
+    pub fn guard(&mut self, guard: &ast::Guard, context: &Context) -> Guard {
+        guard.expr.map(&mut |term| self.term(term, context))
+    }
+
+    fn term(&mut self, term: &Term, context: &Context) -> Guard {
+        match term {
+            Term::Value(path) => self.value(path, context),
+            Term::Prev(path) => self.previous(path, context),
+            Term::Rise(path) => self.edge(path, context, true),
+            Term::Fall(path) => self.edge(path, context, false),
+            Term::In(path) => self.about_state(path, context, Atom::In),
+            Term::DoneOf(path) => self.about_state(path, context, Atom::Done),
+            Term::Done(span) => match context {
+                Context::Guard { source, .. } => Expr::Atom(Atom::Done(*source)),
+                _ => {
+                    self.misplaced(
+                        "`done` alone means the source of a transition",
+                        *span,
+                        "there is none here",
+                        "write `done(STATE)`",
+                    );
+                    Expr::FALSE
+                }
+            },
+        }
+    }
+
+    /// The symbol that a path of one word means; reports what is none.
+    fn single(&mut self, path: &PathRef) -> Option<Symbol> {
+        let (name, span) = &path.parts[0];
+        if path.parts.len() > 1 {
+            let text = path.parts.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
+            self.misplaced(
+                &format!("`{text}` is no input, output or variable"),
+                path.span(),
+                "a value is expected here",
+                &format!("to ask whether a state is active, write `in({text})`"),
+            );
+            return None;
+        }
+        let symbol = self.symbol(name);
+        if symbol.is_none() {
+            self.unknown_symbol(name, *span);
+        }
+        symbol
+    }
+
+    fn value(&mut self, path: &PathRef, context: &Context) -> Guard {
+        let Some(symbol) = self.single(path) else { return Expr::FALSE };
+        let name = &path.parts[0].0;
+        match (symbol, context) {
+            (Symbol::Input(id), _) => Expr::Atom(Atom::Input(id)),
+            (
+                Symbol::Variable(id),
+                Context::Guard { .. } | Context::Active { .. } | Context::Constraint | Context::Assumption,
+            ) => Expr::Atom(Atom::Variable(id)),
+            (Symbol::Output(id), Context::Constraint) => Expr::Atom(Atom::Output(id)),
+            (Symbol::Output(_), Context::Assumption) => {
+                self.bad_assumption(path.span(), &format!("`{name}` is what the program decides in this scan"));
+                Expr::FALSE
+            }
+            (Symbol::Output(_), Context::Guard { .. } | Context::Active { .. }) => {
+                self.misplaced(
+                    &format!("the output `{name}` is not decided yet when this is read"),
+                    path.span(),
+                    "outputs are written at the end of the scan",
+                    &format!("for its value of the scan before, write `prev({name})`"),
+                );
+                Expr::FALSE
+            }
+            (Symbol::Output(_) | Symbol::Variable(_), Context::Sensor) => self.only_inputs(path, symbol),
+        }
+    }
+
+    fn previous(&mut self, path: &PathRef, context: &Context) -> Guard {
+        let Some(symbol) = self.single(path) else { return Expr::FALSE };
+        match (symbol, context) {
+            (_, Context::Sensor) => self.only_inputs(path, symbol),
+            (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
+            (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
+            (Symbol::Variable(_), _) => self.no_past(path),
+        }
+    }
+
+    fn edge(&mut self, path: &PathRef, context: &Context, rising: bool) -> Guard {
+        let Some(symbol) = self.single(path) else { return Expr::FALSE };
+        let (now, before) = match (symbol, context) {
+            (_, Context::Sensor) => return self.only_inputs(path, symbol),
+            (Symbol::Input(id), _) => (Atom::Input(id), Atom::PrevInput(id)),
+            (Symbol::Output(id), Context::Constraint) => (Atom::Output(id), Atom::PrevOutput(id)),
+            (Symbol::Output(_), _) => return self.value(path, context),
+            (Symbol::Variable(_), _) => return self.no_past(path),
+        };
+        let (now, before) = (Expr::Atom(now), Expr::Atom(before));
+        if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
+    }
+
+    fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
+        let region = match context {
+            Context::Guard { region, .. } | Context::Active { region } => *region,
+            Context::Sensor => {
+                self.misplaced(
+                    "a sensor does not know of states",
+                    path.span(),
+                    "an input is expected here",
+                    "name inputs only",
+                );
+                return Expr::FALSE;
+            }
+            Context::Constraint => {
+                self.misplaced(
+                    "a safety constraint does not know of states",
+                    path.span(),
+                    "not allowed here",
+                    "constraints hold whatever the program does: say it by inputs, outputs and their past",
+                );
+                return Expr::FALSE;
+            }
+            Context::Assumption => {
+                self.bad_assumption(path.span(), "the active states are what the program decides");
+                return Expr::FALSE;
+            }
+        };
+        let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
+        match self.state(&parts, region) {
+            Some(state) => Expr::Atom(atom(state)),
+            None => Expr::FALSE,
+        }
+    }
+
+    fn only_inputs(&mut self, path: &PathRef, symbol: Symbol) -> Guard {
+        let text = match symbol {
+            Symbol::Input(_) => "a sensor is read as it is now".to_owned(),
+            other => format!("`{}` is {}, not an input", path.parts[0].0, kind(other)),
+        };
+        self.misplaced(
+            &text,
+            path.span(),
+            "an input is expected here",
+            "a position is confirmed by inputs, joined by `and`, `or`, `not`",
+        );
+        Expr::FALSE
+    }
+
+    fn no_past(&mut self, path: &PathRef) -> Guard {
+        let name = &path.parts[0].0;
+        self.misplaced(
+            &format!("`{name}` is a variable: it has no previous value"),
+            path.span(),
+            "an input or output is expected here",
+            &format!("guards read `{name}` as it was before the step anyway"),
+        );
+        Expr::FALSE
+    }
+
+    fn misplaced(&mut self, message: &str, span: Span, label: &str, help: &str) {
+        self.diagnostics.push(Diagnostic::new(Code::WrongKind, message).label(span, label).help(help));
+    }
+
+    fn bad_assumption(&mut self, span: Span, message: &str) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::BadAssumption, message)
+                .label(span, "an assumption speaks of the plant")
+                .help("name inputs, previous values (`prev(…)`) and variables only"),
+        );
+    }
+}

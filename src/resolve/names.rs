@@ -1,0 +1,355 @@
+//! Names to what they mean: the tables of declared names and the search for states.
+
+use super::Resolver;
+use crate::base::{Code, Diagnostic, Span, iec, limits};
+use crate::ir::{ast, chart};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// What a name of the machine's own list of names means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    Input(chart::InputId),
+    Output(chart::OutputId),
+    Variable(chart::VariableId),
+}
+
+/// The tables, by folded name. They are only looked up, never walked, so that no order of hashing
+/// reaches a result.
+#[derive(Default)]
+pub struct Names {
+    symbols: HashMap<String, (Symbol, Span)>,
+    actuators: HashMap<String, (chart::ActuatorId, Span)>,
+    states: HashMap<(chart::RegionId, String), chart::StateId>,
+    regions: HashMap<(Option<chart::StateId>, usize, String), chart::RegionId>,
+    /// All states and regions of a name, in order of declaration.
+    everywhere: HashMap<String, Vec<Place>>,
+    /// Spellings for suggestions, in order of declaration.
+    symbol_list: Vec<String>,
+    state_list: Vec<String>,
+}
+
+/// What a path can lead through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    State(chart::StateId),
+    Region(chart::RegionId),
+}
+
+/// The text of a description, empty if there is none.
+pub fn describe(text: &Option<ast::Text>) -> String {
+    text.as_ref().map(|t| t.value.clone()).unwrap_or_default()
+}
+
+impl Resolver {
+    /// Reports a name that has not the form of an IEC name.
+    pub fn legal(&mut self, name: &ast::Name) {
+        let problem = match iec::illegal(&name.text) {
+            None | Some(iec::Illegal::Keyword) if name.text.chars().count() > limits::NAME_LENGTH => {
+                format!("`{}` is longer than {} characters", name.text, limits::NAME_LENGTH)
+            }
+            None | Some(iec::Illegal::Keyword) => return,
+            Some(iec::Illegal::FirstCharacter) => format!("`{}` does not begin with a letter", name.text),
+            Some(iec::Illegal::Character(c)) => format!("`{}` holds `{c}`", name.text),
+            Some(iec::Illegal::DoubleUnderscore) => format!("`{}` holds two underscores in a row", name.text),
+            Some(iec::Illegal::TrailingUnderscore) => format!("`{}` ends in an underscore", name.text),
+        };
+        self.diagnostics.push(
+            Diagnostic::new(Code::IllegalName, problem)
+                .label(name.span, "not a legal name in a PLC")
+                .help("a name is a letter, then letters and digits, with single underscores between them"),
+        );
+    }
+
+    /// Enters an input, output or variable; its name goes into the PLC as it is.
+    pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
+        self.legal(name);
+        if iec::is_keyword(&name.text) {
+            self.diagnostics.push(
+                Diagnostic::new(Code::IllegalName, format!("`{}` is a word of IEC 61131-3", name.text))
+                    .label(name.span, "a PLC keeps this word to itself")
+                    .help(format!("choose another name, such as `{}1`", name.text)),
+            );
+        }
+        match self.names.symbols.entry(iec::fold(&name.text)) {
+            Entry::Vacant(entry) => {
+                entry.insert((symbol, name.span));
+                self.names.symbol_list.push(name.text.clone());
+            }
+            Entry::Occupied(entry) => {
+                let first = entry.get().1;
+                self.duplicate(name, first);
+            }
+        }
+    }
+
+    /// Enters an actuator.
+    pub fn declare_actuator(&mut self, name: &ast::Name, id: chart::ActuatorId) {
+        self.legal(name);
+        match self.names.actuators.entry(iec::fold(&name.text)) {
+            Entry::Vacant(entry) => {
+                entry.insert((id, name.span));
+            }
+            Entry::Occupied(entry) => {
+                let first = entry.get().1;
+                self.duplicate(name, first);
+            }
+        }
+    }
+
+    /// Enters a state into its region.
+    pub fn declare_state(&mut self, name: &ast::Name, region: chart::RegionId, id: chart::StateId) {
+        self.legal(name);
+        let folded = iec::fold(&name.text);
+        self.names.everywhere.entry(folded.clone()).or_default().push(Place::State(id));
+        self.names.state_list.push(name.text.clone());
+        match self.names.states.entry((region, folded)) {
+            Entry::Vacant(entry) => {
+                entry.insert(id);
+            }
+            Entry::Occupied(entry) => {
+                let first = self.machine.states[*entry.get()].span;
+                self.duplicate(name, first);
+            }
+        }
+    }
+
+    /// Enters a named region into its state or chart.
+    pub fn declare_region(
+        &mut self,
+        name: &ast::Name,
+        parent: Option<chart::StateId>,
+        chart: usize,
+        id: chart::RegionId,
+    ) {
+        self.legal(name);
+        let folded = iec::fold(&name.text);
+        self.names.everywhere.entry(folded.clone()).or_default().push(Place::Region(id));
+        match self.names.regions.entry((parent, chart, folded)) {
+            Entry::Vacant(entry) => {
+                entry.insert(id);
+            }
+            Entry::Occupied(entry) => {
+                let first = self.machine.regions[*entry.get()].span;
+                self.duplicate(name, first);
+            }
+        }
+    }
+
+    /// Reports a second declaration of a name.
+    pub fn duplicate(&mut self, name: &ast::Name, first: Span) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::DuplicateName, format!("`{}` is declared twice", name.text))
+                .label(name.span, "declared again")
+                .label(first, "first declared here")
+                .help("names that differ only by case are the same name in a PLC"),
+        );
+    }
+
+    /// What a name of the machine's list means.
+    pub fn symbol(&self, name: &str) -> Option<Symbol> {
+        self.names.symbols.get(&iec::fold(name)).map(|(s, _)| *s)
+    }
+
+    /// The output of that name, or an error.
+    pub fn output(&mut self, name: &ast::Name) -> Option<chart::OutputId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Output(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an output");
+                None
+            }
+        }
+    }
+
+    /// The variable of that name, or an error.
+    pub fn variable(&mut self, name: &ast::Name) -> Option<chart::VariableId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Variable(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "a variable");
+                None
+            }
+        }
+    }
+
+    /// The actuator of that name, or an error.
+    pub fn actuator(&mut self, name: &ast::Name) -> Option<chart::ActuatorId> {
+        let found = self.names.actuators.get(&iec::fold(&name.text)).map(|(id, _)| *id);
+        if found.is_none() {
+            self.diagnostics.push(
+                Diagnostic::new(Code::UnknownName, format!("there is no actuator `{}`", name.text))
+                    .label(name.span, "not declared")
+                    .help(format!("declare it: `actuator {} bistable {{ … }}`", name.text)),
+            );
+        }
+        found
+    }
+
+    fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
+        match found {
+            Some(symbol) => self.diagnostics.push(
+                Diagnostic::new(Code::WrongKind, format!("`{}` is {}, not {wanted}", name.text, kind(symbol)))
+                    .label(name.span, format!("{wanted} is expected here")),
+            ),
+            None => self.unknown_symbol(&name.text, name.span),
+        }
+    }
+
+    /// Reports a name that means nothing, with the nearest ones that do.
+    pub fn unknown_symbol(&mut self, name: &str, span: Span) {
+        let mut d = Diagnostic::new(Code::UnknownName, format!("`{name}` is not declared")).label(span, "not declared");
+        if let Some(near) = nearest(name, &self.names.symbol_list) {
+            d = d.help(format!("did you mean `{near}`?"));
+        } else if self.names.everywhere.contains_key(&iec::fold(name)) {
+            d = d.help(format!("to ask whether the state is active, write `in({name})`"));
+        }
+        self.diagnostics.push(d);
+    }
+
+    /// The state that `parts` mean where they are written: in `region`, then outward, else anywhere
+    /// in the machine if only one fits.
+    pub fn state(&mut self, parts: &[(&str, Span)], region: chart::RegionId) -> Option<chart::StateId> {
+        let span = parts[0].1.to(parts[parts.len() - 1].1);
+        let text = parts.iter().map(|p| p.0).collect::<Vec<_>>().join(".");
+        if let Some(start) = self.outward(parts[0].0, region) {
+            return match self.follow(start, &parts[1..]) {
+                Ok(Place::State(id)) => Some(id),
+                Ok(Place::Region(_)) => {
+                    self.not_a_state(&text, span);
+                    None
+                }
+                Err(i) => {
+                    let (name, at) = parts[i + 1];
+                    let outer = parts[..=i].iter().map(|p| p.0).collect::<Vec<_>>().join(".");
+                    self.diagnostics.push(
+                        Diagnostic::new(Code::UnknownName, format!("`{outer}` holds no `{name}`"))
+                            .label(at, "not declared there"),
+                    );
+                    None
+                }
+            };
+        }
+        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
+        let found: Vec<Place> = starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect();
+        let states: Vec<chart::StateId> = found
+            .iter()
+            .filter_map(|p| match p {
+                Place::State(id) => Some(*id),
+                Place::Region(_) => None,
+            })
+            .collect();
+        match states[..] {
+            [one] => Some(one),
+            [] if !found.is_empty() => {
+                self.not_a_state(&text, span);
+                None
+            }
+            [] => {
+                let mut d = Diagnostic::new(Code::UnknownName, format!("there is no state `{text}`"))
+                    .label(span, "not declared");
+                if let (Some(near), true) = (nearest(parts[0].0, &self.names.state_list), parts.len() == 1) {
+                    d = d.help(format!("did you mean `{near}`?"));
+                }
+                self.diagnostics.push(d);
+                None
+            }
+            _ => {
+                let paths: Vec<String> = states.iter().map(|&s| self.machine.state_path(s)).collect();
+                let shown = paths.iter().take(4).map(|p| format!("`{p}`")).collect::<Vec<_>>().join(", ");
+                let more = if paths.len() > 4 { format!(" and {} more", paths.len() - 4) } else { String::new() };
+                self.diagnostics.push(
+                    Diagnostic::new(Code::AmbiguousName, format!("`{text}` could mean several states"))
+                        .label(span, "which one?")
+                        .help(format!("write more of its path: {shown}{more}")),
+                );
+                None
+            }
+        }
+    }
+
+    fn not_a_state(&mut self, text: &str, span: Span) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::WrongKind, format!("`{text}` is a region"))
+                .label(span, "a state is expected here")
+                .help(format!("name one of its states, such as `{text}.Home`")),
+        );
+    }
+
+    /// The nearest place called `name`: a state of `region`, the region itself or one beside it,
+    /// then the same further out.
+    fn outward(&self, name: &str, region: chart::RegionId) -> Option<Place> {
+        let folded = iec::fold(name);
+        let mut at = Some(region);
+        while let Some(r) = at {
+            if let Some(&s) = self.names.states.get(&(r, folded.clone())) {
+                return Some(Place::State(s));
+            }
+            let region = &self.machine.regions[r];
+            if let Some(&r) = self.names.regions.get(&(region.parent, region.chart, folded.clone())) {
+                return Some(Place::Region(r));
+            }
+            at = region.parent.map(|p| self.machine.states[p].region);
+        }
+        None
+    }
+
+    /// Follows the rest of a path; the error is the index of the part that is not there.
+    fn follow(&self, start: Place, rest: &[(&str, Span)]) -> Result<Place, usize> {
+        let mut place = start;
+        for (i, (name, _)) in rest.iter().enumerate() {
+            let folded = iec::fold(name);
+            let next = match place {
+                Place::Region(r) => self.names.states.get(&(r, folded)).map(|&s| Place::State(s)),
+                Place::State(s) => {
+                    let state = &self.machine.states[s];
+                    let chart = self.machine.regions[state.region].chart;
+                    match state.regions.as_slice() {
+                        [only] if self.machine.regions[*only].name.is_none() => {
+                            self.names.states.get(&(*only, folded)).map(|&s| Place::State(s))
+                        }
+                        _ => self.names.regions.get(&(Some(s), chart, folded)).map(|&r| Place::Region(r)),
+                    }
+                }
+            };
+            place = next.ok_or(i)?;
+        }
+        Ok(place)
+    }
+}
+
+/// What a symbol is, in words.
+pub fn kind(symbol: Symbol) -> &'static str {
+    match symbol {
+        Symbol::Input(_) => "an input",
+        Symbol::Output(_) => "an output",
+        Symbol::Variable(_) => "a variable",
+    }
+}
+
+/// The declared name that is at most two slips away from `name`, the first of the nearest.
+fn nearest<'a>(name: &str, declared: &'a [String]) -> Option<&'a str> {
+    let folded = iec::fold(name);
+    declared
+        .iter()
+        .map(|d| (distance(&folded, &iec::fold(d)), d))
+        .filter(|&(n, d)| n <= 2 && n < d.chars().count().min(name.chars().count()))
+        .min_by_key(|&(n, _)| n)
+        .map(|(_, d)| d.as_str())
+}
+
+/// Levenshtein's distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &cb) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(ca != cb);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,85 @@
+//! Declared inputs, outputs and variables to those of the machine, with their addresses.
+
+use super::Resolver;
+use super::names::{Symbol, describe};
+use crate::base::{Code, Diagnostic, Span};
+use crate::ir::{ast, chart};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
+    let mut taken = HashMap::new();
+    for signal in &tree.inputs {
+        let address = address(r, signal, 'I', &mut taken);
+        let (name, span) = (signal.name.text.clone(), signal.name.span);
+        let description = describe(&signal.description);
+        let id = r.machine.inputs.push(chart::Input { name, address, description, span });
+        r.declare_symbol(&signal.name, Symbol::Input(id));
+    }
+    for signal in &tree.outputs {
+        let address = address(r, signal, 'Q', &mut taken);
+        let (name, span) = (signal.name.text.clone(), signal.name.span);
+        let description = describe(&signal.description);
+        let id = r.machine.outputs.push(chart::Output { name, address, description, span });
+        r.declare_symbol(&signal.name, Symbol::Output(id));
+    }
+    for variable in &tree.variables {
+        let id = r.machine.variables.push(chart::Variable {
+            name: variable.name.text.clone(),
+            initial: variable.initial,
+            description: describe(&variable.description),
+            span: variable.name.span,
+        });
+        r.declare_symbol(&variable.name, Symbol::Variable(id));
+    }
+}
+
+/// The address in its one spelling, `%IX0.0`; reports one that does not fit or is taken.
+fn address(
+    r: &mut Resolver,
+    signal: &ast::Signal,
+    area: char,
+    taken: &mut HashMap<String, (String, Span)>,
+) -> Option<String> {
+    let written = signal.address.as_ref()?;
+    let Some(address) = normal_form(&written.text, area) else {
+        let kind = if area == 'I' { "an input" } else { "an output" };
+        r.diagnostics.push(
+            Diagnostic::new(Code::BadAddress, format!("`{}` is no address of {kind}", written.text))
+                .label(written.span, "does not fit")
+                .help(format!("write `%{area}X` and numbers with dots between them, such as `%{area}X0.3`")),
+        );
+        return None;
+    };
+    match taken.entry(address.clone()) {
+        Entry::Vacant(entry) => {
+            entry.insert((signal.name.text.clone(), written.span));
+        }
+        Entry::Occupied(entry) => {
+            let (name, span) = entry.get();
+            r.diagnostics.push(
+                Diagnostic::new(
+                    Code::DuplicateAddress,
+                    format!("`{}` and `{name}` have one address", signal.name.text),
+                )
+                .label(written.span, "given again")
+                .label(*span, format!("first given to `{name}` here")),
+            );
+        }
+    }
+    Some(address)
+}
+
+/// Upper case, without leading zeros; one to four numbers below 65,536.
+fn normal_form(address: &str, area: char) -> Option<String> {
+    let upper = address.to_ascii_uppercase();
+    let numbers = upper.strip_prefix(&format!("%{area}X"))?;
+    let parts: Vec<String> = numbers
+        .split('.')
+        .map(|n| {
+            let digits = !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+            digits.then(|| n.parse::<u16>().ok()).flatten().map(|n| n.to_string())
+        })
+        .collect::<Option<_>>()?;
+    (parts.len() <= 4).then(|| format!("%{area}X{}", parts.join(".")))
+}

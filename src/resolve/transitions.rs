@@ -1,0 +1,243 @@
+//! Written transitions to those of the machine; a movement becomes the two around its state.
+
+use super::expressions::Context;
+use super::names::describe;
+use super::{ResolvedBody, Resolver};
+use crate::base::{Code, Diagnostic, Span};
+use crate::ir::chart::{self, Atom, Guard, StateKind, Technology};
+use crate::ir::{ast, expr::Expr};
+
+pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
+    let mut found = Vec::new();
+    for body in bodies {
+        // The braces of a plain composite state are its region's, which has its own entry.
+        if body.state.is_some() && body.body.regions.is_empty() {
+            continue;
+        }
+        for (i, written) in body.body.transitions.iter().enumerate() {
+            match body.movements.iter().find(|(at, _)| *at == i) {
+                Some(&(_, state)) => movement(r, body, written, state, &mut found),
+                None => plain(r, body, written, &mut found),
+            }
+        }
+    }
+    // Braces are visited from the outside in; what counts is the order of the text.
+    found.sort_by_key(|t| t.span.start);
+    for t in found {
+        r.machine.transitions.push(t);
+    }
+}
+
+fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, into: &mut Vec<chart::Transition>) {
+    let target = find(r, body, &written.target);
+    let sources = match &written.source {
+        ast::Source::State(path) => find(r, body, path).into_iter().collect(),
+        ast::Source::Any(_) if body.owns_region => r.machine.regions[body.region].states.clone(),
+        ast::Source::Any(span) => {
+            r.diagnostics.push(
+                Diagnostic::new(Code::WrongKind, "`any` means each state of a region, and this is not in one")
+                    .label(*span, "beside the regions of a parallel state")
+                    .help("name the parallel state itself"),
+            );
+            Vec::new()
+        }
+    };
+    let Some(target) = target else {
+        // The rest may hold errors of its own.
+        if let Some(&source) = sources.first() {
+            details(r, body, written, source);
+        }
+        return;
+    };
+    for (i, &source) in sources.iter().enumerate() {
+        let before = r.diagnostics.clone();
+        let (guard, effects) = details(r, body, written, source);
+        if i > 0 {
+            // What is wrong with the text has been said for the first source.
+            r.diagnostics = before;
+        }
+        let Some(scope) = r.machine.scope(source, target) else {
+            r.diagnostics.push(
+                Diagnostic::new(Code::WrongKind, "no region holds both states")
+                    .label(written.span, "from one chart or one of its regions into another")
+                    .help("let a guard of the other one read `in(STATE)`"),
+            );
+            return;
+        };
+        jump(r, written.span, source, target);
+        into.push(transition(written, source, target, scope, guard, effects));
+    }
+}
+
+/// Reports a transition of a bistable actuator that would change the position without driving.
+fn jump(r: &mut Resolver, span: Span, source: chart::StateId, target: chart::StateId) {
+    let (from, to) = (&r.machine.states[source], &r.machine.states[target]);
+    let Some(actuator) = r.machine.regions[from.region].actuator.map(|a| &r.machine.actuators[a]) else { return };
+    let differ = matches!((from.position, to.position), (Some(a), Some(b)) if a != b);
+    if from.region == to.region && differ && actuator.technology == Technology::Bistable {
+        let d = Diagnostic::new(
+            Code::JumpBetweenPositions,
+            format!("`{}` does not get from `{}` to `{}` without a movement", actuator.name, from.name, to.name),
+        )
+        .label(span, "neither output is driven on the way")
+        .help(format!("write `move from {} to {} when …`", from.name, to.name));
+        r.diagnostics.push(d);
+    }
+}
+
+fn movement(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Transition,
+    state: chart::StateId,
+    into: &mut Vec<chart::Transition>,
+) {
+    let ast::Source::State(path) = &written.source else { unreachable!("a movement starts in one state") };
+    let (source, target) = (find(r, body, path), find(r, body, &written.target));
+    if let Some(source) = source {
+        let (guard, effects) = details(r, body, written, source);
+        if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
+            let target = target.expect("a sensor belongs to a target");
+            into.push(transition(written, source, state, body.region, guard, effects));
+            into.push(chart::Transition {
+                source: state,
+                target,
+                scope: body.region,
+                guard: sensor,
+                effects: Vec::new(),
+                priority: None,
+                description: String::new(),
+                span: written.span,
+            });
+        }
+    }
+}
+
+/// What ends the movement; enters where it leads into its state.
+fn sensor(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Transition,
+    state: chart::StateId,
+    source: chart::StateId,
+    target: chart::StateId,
+) -> Option<Guard> {
+    let move_span = written.movement.as_ref().map_or(written.span, |m| m.span);
+    let region = &r.machine.regions[body.region];
+    let refuse = |message: String, label: &str, help: &str| {
+        Diagnostic::new(Code::MoveWithoutActuator, message).label(move_span, label).help(help)
+    };
+    let Some(actuator) = region.actuator.map(|a| &r.machine.actuators[a]) else {
+        let d = refuse(
+            "nothing moves here".into(),
+            "this region controls no actuator",
+            "write `controls ACTUATOR` behind the name of the region, or `from` instead of `move from`",
+        );
+        r.diagnostics.push(d);
+        return None;
+    };
+    if actuator.technology == Technology::OnOff {
+        let d = refuse(
+            format!("`{}` is on or off, it does not move", actuator.name),
+            "an on/off actuator has no movements",
+            "write `from` instead of `move from`",
+        );
+        r.diagnostics.push(d);
+        return None;
+    }
+    let (from, to) = (&r.machine.states[source], &r.machine.states[target]);
+    let ends = from.region == body.region && to.region == body.region;
+    let (Some(a), Some(b), true) = (from.position, to.position, ends) else {
+        let d = refuse(
+            format!("`{}` and `{}` are not both at positions of this region's actuator", from.name, to.name),
+            "a movement leads from position to position",
+            "write it between the braces of the region that holds both states",
+        );
+        r.diagnostics.push(d);
+        return None;
+    };
+    if a == b {
+        let d = refuse(
+            format!("`{}` and `{}` are at the same position", from.name, to.name),
+            "nothing moves between them",
+            "write `from` instead of `move from`",
+        );
+        r.diagnostics.push(d);
+        return None;
+    }
+    let position = &actuator.positions[b];
+    let Some(sensor) = position.sensor.clone() else {
+        let d = Diagnostic::new(
+            Code::MoveWithoutSensor,
+            format!("nothing confirms that `{}` has reached `{}`", actuator.name, position.name),
+        )
+        .label(move_span, "this movement would never end")
+        .label(position.span, "this position has no sensor")
+        .help("add `sensor INPUT` to the position");
+        r.diagnostics.push(d);
+        return None;
+    };
+    r.machine.states[state].kind = StateKind::Movement { to: b };
+    Some(sensor)
+}
+
+fn find(r: &mut Resolver, body: &ResolvedBody<'_>, path: &ast::Path) -> Option<chart::StateId> {
+    let parts: Vec<(&str, Span)> = path.parts.iter().map(|n| (n.text.as_str(), n.span)).collect();
+    r.state(&parts, body.region)
+}
+
+/// Guard and effects; without `when`, a composite source waits for `done`.
+fn details(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Transition,
+    source: chart::StateId,
+) -> (Guard, Vec<(chart::VariableId, bool)>) {
+    let guard = match &written.guard {
+        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
+        None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
+        None => Expr::TRUE,
+    };
+    let mut effects: Vec<(chart::VariableId, bool)> = Vec::new();
+    for (i, effect) in written.effects.iter().enumerate() {
+        let Some(variable) = r.variable(&effect.variable) else { continue };
+        match effects.iter().find(|(v, _)| *v == variable) {
+            None => effects.push((variable, effect.value)),
+            Some((_, value)) if *value == effect.value => {}
+            Some(_) => {
+                let first =
+                    written.effects[..i].iter().find(|e| e.variable.text.eq_ignore_ascii_case(&effect.variable.text));
+                let mut d = Diagnostic::new(
+                    Code::SetAndReset,
+                    format!("this transition sets and resets `{}`", effect.variable.text),
+                )
+                .label(effect.variable.span, "and here the other");
+                if let Some(first) = first {
+                    d = d.label(first.variable.span, "here the one");
+                }
+                r.diagnostics.push(d);
+            }
+        }
+    }
+    (guard, effects)
+}
+
+fn transition(
+    written: &ast::Transition,
+    source: chart::StateId,
+    target: chart::StateId,
+    scope: chart::RegionId,
+    guard: Guard,
+    effects: Vec<(chart::VariableId, bool)>,
+) -> chart::Transition {
+    chart::Transition {
+        source,
+        target,
+        scope,
+        guard,
+        effects,
+        priority: written.priority.map(|(n, _)| n),
+        description: describe(&written.description),
+        span: written.span,
+    }
+}

@@ -1,8 +1,8 @@
 //! Ladder to drawing: each rung between two rails of its own, a product per row, the coil on the
 //! right.
 //!
-//! Contacts of one rung stand in columns as wide as their longest name; the coils of all rungs stand
-//! in one column.
+//! Contacts of one rung stand in columns as wide as their longest name; the coils of all but very
+//! long rungs stand in one column.
 
 use super::{Branches, MARGIN, text_width};
 use crate::ir::drawing::{CHAR, Drawing, Element, ElementId, LINE, LadderShape, Point, Rect, Wire};
@@ -24,37 +24,48 @@ const GAP: i32 = 20;
 /// Longest line of a comment, in characters.
 const COMMENT: usize = 100;
 
+/// Contacts up to this width leave the coil in the common column; coils up to the other do not widen
+/// it. One long rung among short ones must not move all coils off the screen.
+const COMMON: (i32, i32) = (800, 240);
+
 /// Draws `ladder`.
 pub fn draw(project: &Project, ladder: &Ladder, branches: Branches) -> Drawing<LadderShape> {
     let rungs: Vec<Plan> = ladder.rungs.iter().map(|r| plan(project, r, branches)).collect();
-    let name = |g: GlobalId| text_width(&project.globals[g].name);
-    let contacts = rungs.iter().map(|p| p.columns.iter().sum::<i32>()).max().unwrap_or(0);
-    let coils = ladder.rungs.iter().map(|r| name(r.coil)).max().unwrap_or(0).max(SYMBOL.0) + GAP;
-    let first = MARGIN + RAIL + JUNCTION;
-    let coil = first + contacts + JUNCTION + coils / 2;
-    let right = coil + coils / 2 + JUNCTION;
+    let common = rungs.iter().fold((0, 0), |common, rung| {
+        (common.0.max(rung.contacts.min(COMMON.0)), common.1.max(rung.coil.min(COMMON.1)))
+    });
 
-    let mut drawing = Drawing { width: right + RAIL + MARGIN, ..Drawing::new() };
-    let mut y = MARGIN;
+    let mut drawing = Drawing::new();
+    let (mut y, mut right) = (MARGIN, 0);
     for (index, (rung, plan)) in ladder.rungs.iter().zip(&rungs).enumerate() {
-        y = Frame { project, first, coil, right }.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
+        let frame = Frame::new(project, common.0.max(plan.contacts), common.1.max(plan.coil));
+        right = right.max(frame.right + RAIL);
+        y = frame.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
     }
-    let widest = drawing.elements.iter().map(|e| e.area.x + e.area.width).max().unwrap_or(0);
-    drawing.width = drawing.width.max(widest + MARGIN);
+    let comments = drawing.elements.iter().filter(|e| matches!(e.shape, LadderShape::Comment { .. }));
+    let widest = comments.map(|c| c.area.x + c.area.width).max().unwrap_or(0);
+    drawing.width = right.max(widest) + MARGIN;
     drawing.height = y - RUNG_GAP + MARGIN;
     drawing
 }
 
-/// The rows of contacts of a rung and the widths of its columns.
+/// What a rung needs: its rows of contacts and widths.
 struct Plan {
     rows: Vec<Vec<Literal<GlobalId>>>,
+    /// Of each column of contacts.
     columns: Vec<i32>,
+    /// Of all columns of contacts.
+    contacts: i32,
+    /// Of the coil.
+    coil: i32,
 }
 
 fn plan(project: &Project, rung: &Rung, branches: Branches) -> Plan {
     debug_assert!(!rung.condition.is_zero(), "a coil that nothing feeds has no rung");
+    let width = |g: GlobalId| text_width(&project.globals[g].name).max(SYMBOL.0) + GAP;
+    let coil = width(rung.coil);
     if rung.condition.is_one() {
-        return Plan { rows: Vec::new(), columns: Vec::new() };
+        return Plan { rows: Vec::new(), columns: Vec::new(), contacts: 0, coil };
     }
     let mut rows: Vec<Vec<_>> = rung.condition.products().iter().map(|p| p.literals().to_vec()).collect();
     let series = rows.iter().any(|r| r.len() > 1);
@@ -63,31 +74,42 @@ fn plan(project: &Project, rung: &Rung, branches: Branches) -> Plan {
             row.push(row[0]);
         }
     }
-    let mut columns = Vec::new();
+    let mut columns: Vec<i32> = Vec::new();
     for row in &rows {
         for (i, literal) in row.iter().enumerate() {
-            let width = text_width(&project.globals[literal.atom].name).max(SYMBOL.0) + GAP;
+            let width = width(literal.atom);
             match columns.get_mut(i) {
                 Some(c) => *c = width.max(*c),
                 None => columns.push(width),
             }
         }
     }
-    Plan { rows, columns }
+    let contacts = columns.iter().sum();
+    Plan { rows, columns, contacts, coil }
 }
 
-/// What all rungs of a drawing share: where the columns stand.
+/// Where the columns of a rung stand.
 struct Frame<'a> {
     project: &'a Project,
     /// Left edge of the first column of contacts.
     first: i32,
-    /// Middle of the coils.
+    /// Where lines of several branches join.
+    join: i32,
+    /// Middle of the coil.
     coil: i32,
     /// Left edge of the right rail.
     right: i32,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    /// For contacts and a coil of these widths.
+    fn new(project: &'a Project, contacts: i32, coil: i32) -> Self {
+        let first = MARGIN + RAIL + JUNCTION;
+        let column = first + contacts + JUNCTION;
+        let right = column + coil + JUNCTION;
+        Frame { project, first, join: column - JUNCTION / 2, coil: column + coil / 2, right }
+    }
+
     /// Draws a rung from `y` downwards and returns where it ends.
     fn rung(&self, drawing: &mut Drawing<LadderShape>, index: usize, rung: &Rung, plan: &Plan, y: i32) -> i32 {
         let comment = comment_area(&rung.comment, y);
@@ -117,8 +139,7 @@ impl Frame<'_> {
         let mut row_level = level;
         for row in &plan.rows {
             let (last, from) = self.row(drawing, row, &plan.columns, (rail, start), row_level);
-            let junction = self.coil_column() - JUNCTION / 2;
-            feeds.push(Wire { from: last, path: bend(from, junction, coil.0.left()) });
+            feeds.push(Wire { from: last, path: bend(from, self.join, coil.0.left()) });
             row_level += ROW;
         }
         if feeds.is_empty() {
@@ -158,11 +179,6 @@ impl Frame<'_> {
             x += width;
         }
         (from, start)
-    }
-
-    /// Left edge of the column of coils.
-    fn coil_column(&self) -> i32 {
-        2 * self.coil - self.right + JUNCTION
     }
 
     /// The boxes of a contact or coil at `level` around `x`, and of its name above it.

@@ -225,6 +225,23 @@ fn assert_numbered(document: &Document, dialect: Dialect) {
     }
 }
 
+/// In Beremiz, the branches of a rung are all single contacts or all series; elsewhere no contact is
+/// drawn that the rung does not have.
+fn assert_shapes(project: &Project, document: &Document, dialect: Dialect) {
+    let Body::Ladder(ladder) = &project.programs[0].body else { panic!("a ladder") };
+    let drawn = read::bodies(document)[0].rungs();
+    for (rung, (_, _, series)) in ladder.rungs.iter().zip(drawn) {
+        match dialect {
+            Dialect::Beremiz => assert!(series.iter().all(|s| s.len() <= 1) || series.iter().all(|s| s.len() > 1)),
+            Dialect::Codesys if rung.condition.is_one() => assert_eq!(series, [Vec::<String>::new()]),
+            Dialect::Codesys => {
+                let products = rung.condition.products().iter().map(|p| p.literals().len());
+                assert!(products.eq(series.iter().map(Vec::len)));
+            }
+        }
+    }
+}
+
 /// Blocks are nested strictly and one jump ends the body.
 fn assert_balanced(document: &Document) {
     for body in elements(document, "SFC") {
@@ -263,7 +280,9 @@ proptest! {
         for dialect in DIALECTS {
             let xml = emit(&project, dialect);
             assert_meaning(&project, &xml, dialect);
-            assert_numbered(&Document::parse(&xml).unwrap(), dialect);
+            let document = Document::parse(&xml).unwrap();
+            assert_numbered(&document, dialect);
+            assert_shapes(&project, &document, dialect);
         }
     }
 }

@@ -15,7 +15,8 @@
 //! An import inserts objects below the selected node, which for programs and variable lists is the
 //! application. In real exports of its children, programs stand in `types/pous` and variable lists
 //! in vendor data of the project; a `configuration` would be refused there, and with it all that it
-//! holds. So `configurations` is empty and the variables are a list in vendor data `globalvars`.
+//! holds (users report both of V3.5 SP21). So `configurations` is empty and the variables are a list
+//! in vendor data `globalvars`.
 //!
 //! No export of children names a task. The task stands where an export of a whole application has
 //! it, in vendor data `application`: an import below the application leaves it aside, but whoever

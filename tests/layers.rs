@@ -1,6 +1,6 @@
 //! The layers of the house: who may import whom.
 
-use crate::support::models::root;
+use crate::support::models::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -27,8 +27,8 @@ fn folders_import_only_what_the_table_allows() {
         ALLOWED.iter().map(|(folder, may)| (*folder, may.iter().copied().collect())).collect();
     let mut wrong = Vec::new();
     let mut folders = BTreeSet::new();
-    for file in sources(&root().join("src")) {
-        let relative = file.strip_prefix(root().join("src")).expect("a file of src").to_owned();
+    for file in sources(&repository("src")) {
+        let relative = file.strip_prefix(repository("src")).expect("a file of src").to_owned();
         let Some(folder) = relative.parent().and_then(|p| p.iter().next()).and_then(|p| p.to_str()) else {
             continue; // lib.rs and main.rs
         };
@@ -117,8 +117,8 @@ fn the_reader_of_imports_sees_what_stands_there() {
 fn only_the_command_line_prints_or_touches_files() {
     let words = ["println!", "eprintln!", "print!(", "std::fs", "std::env", "std::process", "std::io"];
     let mut wrong = Vec::new();
-    for file in sources(&root().join("src")) {
-        let relative = file.strip_prefix(root().join("src")).expect("a file of src").display().to_string();
+    for file in sources(&repository("src")) {
+        let relative = file.strip_prefix(repository("src")).expect("a file of src").display().to_string();
         if relative.starts_with("cli") || relative == "main.rs" {
             continue;
         }
@@ -134,7 +134,7 @@ fn only_the_command_line_prints_or_touches_files() {
 
 #[test]
 fn no_source_file_is_long_and_each_says_what_it_does() {
-    for file in sources(&root().join("src")) {
+    for file in sources(&repository("src")) {
         let text = std::fs::read_to_string(&file).expect("sources can be read");
         assert!(text.lines().count() <= 600, "{} is longer than 600 lines", file.display());
         assert!(text.starts_with("//! "), "{} does not begin with what it does", file.display());

@@ -16,7 +16,7 @@ fn every_stage_of_every_model() {
     for model in models::all() {
         for (stage, content) in STAGES.iter().zip(stages(&model)) {
             insta::with_settings!({
-                snapshot_path => models::root().join("snapshots").join(&model.name),
+                snapshot_path => models::repository("snapshots").join(&model.name),
                 prepend_module_to_snapshot => false,
                 omit_expression => true,
             }, {
@@ -66,7 +66,7 @@ fn no_snapshot_is_orphaned() {
         models::all().iter().flat_map(|m| STAGES.map(|s| format!("{}/{s}.snap", m.name))).collect();
     expected.extend(models::invalid().iter().map(|name| format!("invalid/{name}.snap")));
     let mut found = BTreeSet::new();
-    collect(&models::root().join("snapshots"), "", &mut found);
+    collect(&models::repository("snapshots"), "", &mut found);
     let orphans: Vec<_> = found.difference(&expected).collect();
     assert!(orphans.is_empty(), "snapshots that no test writes: {orphans:?}");
 }

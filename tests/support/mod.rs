@@ -1,5 +1,6 @@
 //! What several tests share.
 
+pub mod binary;
 pub mod charts;
 pub mod models;
 pub mod plc;

@@ -83,7 +83,11 @@ proptest! {
                 // Some IDEs take rungs that are closer for one, or order them by their height.
                 LadderShape::LeftRail { .. } => prop_assert!(end.is_none_or(|end| element.area.y >= end + 40)),
                 LadderShape::RightRail => end = Some(bottom(element)),
-                LadderShape::Comment { .. } | LadderShape::Contact(_) | LadderShape::Coil { .. } => {}
+                LadderShape::Comment { .. }
+                | LadderShape::Contact(_)
+                | LadderShape::Preset { .. }
+                | LadderShape::Timer { .. }
+                | LadderShape::Coil { .. } => {}
             }
         }
     }

@@ -1,1 +1,7 @@
-fn main() {}
+//! The command `chartwright`; everything it does is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    chartwright::cli::run(std::env::args_os())
+}

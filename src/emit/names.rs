@@ -1,5 +1,93 @@
-//! names
+//! PLC project to a table of its names: what each stands for in the model, and where.
+//!
+//! The table is CSV as RFC 4180 has it, but with plain line feeds. It has a row for every global, then
+//! for each program a row for itself, its instance and its steps, all in the order of the project:
+//!
+//! | column | holds |
+//! | --- | --- |
+//! | `name` | the name in the PLC project |
+//! | `kind` | `input`, `output`, … for a global; `program`, `instance`, `step` |
+//! | `program` | the program that it belongs to, if it belongs to one |
+//! | `model` | what it stands for, in the model's names; empty for what only the compiler needs |
+//! | `line`, `column` | where that is declared, counted from 1; empty if nowhere |
+//! | `description` | what it means |
+
 use crate::base::LineIndex;
-use crate::ir::plc::Project;
-/// stub
-pub fn table(_: &Project, _: &LineIndex) -> String { String::new() }
+use crate::ir::plc::{Body, Origin, Project, Role};
+
+/// Writes the table of names of `project`, whose model's text `lines` was made from.
+pub fn table(project: &Project, lines: &LineIndex) -> String {
+    let mut table = Table { csv: String::from("name,kind,program,model,line,column,description\n"), lines };
+    for global in project.globals.values() {
+        table.row(&global.name, role(global.role), "", &global.origin, &global.description);
+    }
+    for program in &project.programs {
+        table.row(&program.name, "program", "", &program.origin, &program.description);
+        table.row(&program.instance, "instance", &program.name, &program.origin, &program.description);
+        match &program.body {
+            Body::Sfc(sfc) => {
+                for step in sfc.steps.values() {
+                    table.row(&step.name, "step", &program.name, &step.origin, &step.description);
+                }
+            }
+            Body::Ladder(ladder) => {
+                // A timer may be called by several rungs; it is one thing.
+                let mut seen: Vec<&str> = Vec::new();
+                for (rung, timer) in ladder.rungs.iter().filter_map(|r| Some((r, r.timer.as_ref()?))) {
+                    if !seen.contains(&timer.instance.as_str()) {
+                        seen.push(&timer.instance);
+                        table.row(&timer.instance, "timer", &program.name, &rung.origin, &rung.comment);
+                    }
+                }
+            }
+        }
+    }
+    table.csv
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::Input => "input",
+        Role::Output => "output",
+        Role::Variable => "variable",
+        Role::StepFlag => "step flag",
+        Role::Condition => "condition",
+        Role::Command => "command",
+        Role::Filter => "filter",
+        Role::Alarm => "alarm",
+    }
+}
+
+struct Table<'a> {
+    csv: String,
+    lines: &'a LineIndex,
+}
+
+impl Table<'_> {
+    fn row(&mut self, name: &str, kind: &str, program: &str, origin: &Origin, description: &str) {
+        let (line, column) = match origin.span {
+            Some(span) => {
+                let (line, column) = self.lines.position(span.start);
+                (line.to_string(), column.to_string())
+            }
+            None => Default::default(),
+        };
+        for (i, field) in [name, kind, program, &origin.what, &line, &column, description].into_iter().enumerate() {
+            if i > 0 {
+                self.csv.push(',');
+            }
+            self.field(field);
+        }
+        self.csv.push('\n');
+    }
+
+    fn field(&mut self, text: &str) {
+        if !text.contains([',', '"', '\n', '\r']) {
+            self.csv.push_str(text);
+            return;
+        }
+        self.csv.push('"');
+        self.csv.push_str(&text.replace('"', "\"\""));
+        self.csv.push('"');
+    }
+}

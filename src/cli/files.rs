@@ -1,0 +1,168 @@
+//! Paths to text, and text to files that are whole or not there.
+//!
+//! What goes wrong becomes a diagnostic with [`Code::Unreadable`].
+
+use crate::base::{Code, Diagnostic, limits};
+use crate::parse;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// The path that means standard output.
+const STANDARD: &str = "-";
+
+/// How a path is shown.
+pub fn show(path: &Path) -> String {
+    annotate_snippets::normalize_untrusted_str(&path.to_string_lossy())
+}
+
+/// The text of a file. No more of it is read than is needed to see that it is too large.
+pub fn read(path: &Path) -> Result<String, Diagnostic> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(limits::SOURCE_BYTES as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| failed("read", path, &error))?;
+    parse::decode(bytes)
+}
+
+/// Whether both paths lead to one file, existing or not.
+pub fn same(a: &Path, b: &Path) -> bool {
+    place(a) == place(b)
+}
+
+/// The path without links and dots as far as it exists.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(place) = fs::canonicalize(path) {
+        return place;
+    }
+    let parent = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    match (fs::canonicalize(parent), path.file_name()) {
+        (Ok(parent), Some(name)) => parent.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// Whether the path means standard output.
+pub fn is_standard(path: &Path) -> bool {
+    path == Path::new(STANDARD)
+}
+
+/// A text that is ready to appear under its name. Dropped before [`Pending::commit`], it leaves
+/// nothing behind.
+#[derive(Debug)]
+pub struct Pending {
+    target: PathBuf,
+    form: Form,
+}
+
+#[derive(Debug)]
+enum Form {
+    /// A complete file under a temporary name beside the target; gone once it is renamed.
+    Renamed(Option<PathBuf>),
+    /// The target is no regular file (standard output, a device, a pipe) and cannot be replaced.
+    Direct(String),
+}
+
+impl Pending {
+    /// Does all that can fail for lack of space or rights, except for the last step.
+    pub fn prepare(target: &Path, text: String) -> Result<Pending, Diagnostic> {
+        let fail = |error: io::Error| failed("written", target, &error);
+        let direct = |text| Ok(Pending { target: target.to_owned(), form: Form::Direct(text) });
+        if is_standard(target) {
+            return direct(text);
+        }
+        let existing = match fs::metadata(target) {
+            Ok(metadata) => Some(metadata),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(fail(error)),
+        };
+        if let Some(metadata) = &existing {
+            if metadata.is_dir() {
+                return Err(fail(io::ErrorKind::IsADirectory.into()));
+            }
+            if !metadata.is_file() {
+                return direct(text);
+            }
+            // Renaming over it would succeed all the same.
+            if metadata.permissions().readonly() {
+                return Err(fail(io::ErrorKind::PermissionDenied.into()));
+            }
+        }
+        // Through links, so that a link stays one.
+        let target = place(target);
+        let (temporary, mut file) = create_beside(&target).map_err(fail)?;
+        let pending = Pending { target, form: Form::Renamed(Some(temporary)) };
+        file.write_all(text.as_bytes())
+            .and_then(|()| existing.map_or(Ok(()), |metadata| file.set_permissions(metadata.permissions())))
+            .and_then(|()| file.sync_all())
+            .map_err(fail)?;
+        Ok(pending)
+    }
+
+    /// Makes the text appear under its name.
+    pub fn commit(mut self) -> Result<(), Diagnostic> {
+        let done = match &mut self.form {
+            Form::Renamed(temporary) => {
+                let from = temporary.take().expect("a pending text is committed once");
+                fs::rename(&from, &self.target).inspect_err(|_| discard(&from))
+            }
+            Form::Direct(text) if is_standard(&self.target) => print(text),
+            Form::Direct(text) => {
+                OpenOptions::new().write(true).open(&self.target).and_then(|mut f| f.write_all(text.as_bytes()))
+            }
+        };
+        done.map_err(|error| failed("written", &self.target, &error))
+    }
+}
+
+impl Drop for Pending {
+    fn drop(&mut self) {
+        if let Form::Renamed(Some(temporary)) = &self.form {
+            discard(temporary);
+        }
+    }
+}
+
+/// Removes a temporary file; that it cannot be removed is not worth a word beside what went wrong.
+fn discard(temporary: &Path) {
+    let _ = fs::remove_file(temporary);
+}
+
+/// A new empty file in the directory of `target`: only there a rename is atomic.
+fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    let mut attempt = 0;
+    loop {
+        let name = format!(".chartwright-{}-{attempt}.tmp", std::process::id());
+        let path = target.with_file_name(name);
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => attempt += 1,
+            opened => return opened.map(|file| (path, file)),
+        }
+    }
+}
+
+/// Writes to standard output. Unlike `print!`, it survives a reader that has gone.
+pub fn print(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}
+
+fn failed(verb: &str, path: &Path, error: &io::Error) -> Diagnostic {
+    use io::ErrorKind::*;
+    let reason = match error.kind() {
+        NotFound if verb == "read" => "there is no such file".to_owned(),
+        NotFound => "there is no such directory".to_owned(),
+        IsADirectory => "it is a directory".to_owned(),
+        NotADirectory => "a part of the path is no directory".to_owned(),
+        PermissionDenied => "permission is denied".to_owned(),
+        StorageFull => "the disk is full".to_owned(),
+        BrokenPipe => "the reader has gone".to_owned(),
+        _ => error.to_string(),
+    };
+    let shown = if is_standard(path) { "standard output".to_owned() } else { format!("`{}`", show(path)) };
+    Diagnostic::new(Code::Unreadable, format!("{shown} cannot be {verb}: {reason}"))
+}

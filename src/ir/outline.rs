@@ -1,0 +1,139 @@
+//! The text form of a machine: what each name has become, with scopes, technology drives and
+//! products spelt out.
+
+use super::chart::*;
+use super::expr::CHART;
+use super::sop::Product;
+use std::fmt::{self, Write};
+
+/// Writes the machine as an outline.
+pub fn outline(machine: &Machine) -> String {
+    let mut w = Writer { machine, scoped: machine.scoped(), out: String::new() };
+    w.whole().expect("writing to a string succeeds");
+    w.out
+}
+
+struct Writer<'m> {
+    machine: &'m Machine,
+    scoped: Vec<Vec<TransitionId>>,
+    out: String,
+}
+
+impl Writer<'_> {
+    fn whole(&mut self) -> fmt::Result {
+        let m = self.machine;
+        writeln!(self.out, "machine {}, cycle {} ms", m.name, m.cycle)?;
+        for i in m.inputs.values() {
+            writeln!(self.out, "input {} {}", i.name, i.address.as_deref().unwrap_or("-"))?;
+        }
+        for o in m.outputs.values() {
+            writeln!(self.out, "output {} {}", o.name, o.address.as_deref().unwrap_or("-"))?;
+        }
+        for v in m.variables.values() {
+            writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
+        }
+        for a in m.actuators.values() {
+            let positions: Vec<String> = a
+                .positions
+                .iter()
+                .map(|p| {
+                    let output = p.output.map(|o| format!(" by {}", m.outputs[o].name)).unwrap_or_default();
+                    let sensor = p.sensor.as_ref().map(|g| format!(" at {}", self.guard(g))).unwrap_or_default();
+                    format!("{}{output}{sensor}", p.name)
+                })
+                .collect();
+            writeln!(self.out, "actuator {} {:?}: {}", a.name, a.technology, positions.join(", "))?;
+        }
+        for chart in &m.charts {
+            writeln!(self.out, "chart {}", chart.name)?;
+            for &r in &chart.regions {
+                self.region(r, 1)?;
+            }
+        }
+        for a in &m.safety.assumptions {
+            writeln!(self.out, "assume {}: {} = 0", a.name, self.products(&a.products))?;
+        }
+        for c in m.safety.constraints.values() {
+            let yields: Vec<&str> = c.yields.iter().map(|&o| m.outputs[o].name.as_str()).collect();
+            let yields = if yields.is_empty() { String::new() } else { format!(", yields {}", yields.join(" and ")) };
+            let kind = if c.products.iter().any(|p| outputs_of(p).count() > 1) { "combined" } else { "simple" };
+            writeln!(self.out, "{kind} {}: {} = 0{yields}", c.name, self.products(&c.products))?;
+        }
+        Ok(())
+    }
+
+    fn region(&mut self, id: RegionId, depth: usize) -> fmt::Result {
+        let m = self.machine;
+        let region = &m.regions[id];
+        let mut depth = depth;
+        if region.name.is_some() || region.actuator.is_some() {
+            let name = region.name.as_deref().unwrap_or("-");
+            let controls = region.actuator.map(|a| format!(" controls {}", m.actuators[a].name)).unwrap_or_default();
+            writeln!(self.out, "{:1$}region {name}{controls}", "", depth * 2)?;
+            depth += 1;
+        }
+        for &s in &region.states {
+            let state = &m.states[s];
+            let initial = if region.initial == s { "initial " } else { "" };
+            let at =
+                state.position.zip(region.actuator).map(|(p, a)| format!(" at {}", m.actuators[a].positions[p].name));
+            let kind = match state.kind {
+                StateKind::Elementary => "state".to_owned(),
+                StateKind::Final => "final".to_owned(),
+                StateKind::Movement { to } => {
+                    let name = region.actuator.map(|a| m.actuators[a].positions[to].name.as_str());
+                    format!("movement to {}:", name.unwrap_or("-"))
+                }
+                StateKind::Composite => "composite".to_owned(),
+            };
+            writeln!(self.out, "{:1$}{initial}{kind} {2}{3}", "", depth * 2, state.name, at.unwrap_or_default())?;
+            for d in &state.drives {
+                let by = if d.technology { " by technology" } else { "" };
+                let output = &m.outputs[d.output].name;
+                writeln!(self.out, "{:1$}drives {output} when {2}{by}", "", depth * 2 + 2, self.guard(&d.condition))?;
+            }
+            for a in &state.actions {
+                let verb = if a.value { "sets" } else { "resets" };
+                let variable = &m.variables[a.variable].name;
+                writeln!(self.out, "{:1$}{verb} {variable} when {2}", "", depth * 2 + 2, self.guard(&a.condition))?;
+            }
+            for &r in &state.regions {
+                self.region(r, depth + 1)?;
+            }
+        }
+        for (rank, &t) in self.scoped[id.index()].iter().enumerate() {
+            let t = &m.transitions[t];
+            let effects: Vec<String> = t
+                .effects
+                .iter()
+                .map(|&(v, value)| format!("{} {}", if value { "set" } else { "reset" }, m.variables[v].name))
+                .collect();
+            let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
+            let (source, target) = (m.state_path(t.source), m.state_path(t.target));
+            writeln!(
+                self.out,
+                "{:1$}{2}. {source} -> {target} when {3}{effects}",
+                "",
+                depth * 2,
+                rank + 1,
+                self.guard(&t.guard)
+            )?;
+        }
+        Ok(())
+    }
+
+    fn guard(&self, guard: &Guard) -> String {
+        let mut out = String::new();
+        let written = guard.write(&mut out, &CHART, &mut |a, f| f.write_str(&self.machine.atom(*a)));
+        written.expect("writing to a string succeeds");
+        out
+    }
+
+    fn products(&self, products: &[Product<Atom>]) -> String {
+        let literal = |l: &super::sop::Literal<Atom>| {
+            format!("{}{}", if l.negated { "¬" } else { "" }, self.machine.atom(l.atom))
+        };
+        let product = |p: &Product<Atom>| p.literals().iter().map(literal).collect::<Vec<_>>().join("·");
+        products.iter().map(product).collect::<Vec<_>>().join(" + ")
+    }
+}

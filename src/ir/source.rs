@@ -1,0 +1,208 @@
+//! The text form of a syntax tree: the model as it would be written without comments.
+//!
+//! Reading it back gives the same tree, places apart.
+
+use super::ast::*;
+use super::expr::{CHART, Expr};
+use std::fmt::{self, Write};
+
+/// Writes the tree as source text.
+pub fn source(machine: &Machine) -> String {
+    let mut w = Writer { out: String::new(), depth: 0 };
+    w.machine(machine).expect("writing to a string succeeds");
+    w.out
+}
+
+struct Writer {
+    out: String,
+    depth: usize,
+}
+
+impl Writer {
+    fn line(&mut self, text: fmt::Arguments<'_>) -> fmt::Result {
+        for _ in 0..self.depth {
+            self.out.push_str("  ");
+        }
+        self.out.write_fmt(text)?;
+        self.out.push('\n');
+        Ok(())
+    }
+
+    fn block(&mut self, head: fmt::Arguments<'_>, inside: impl FnOnce(&mut Self) -> fmt::Result) -> fmt::Result {
+        self.line(format_args!("{head} {{"))?;
+        self.depth += 1;
+        inside(self)?;
+        self.depth -= 1;
+        self.line(format_args!("}}"))
+    }
+
+    fn machine(&mut self, m: &Machine) -> fmt::Result {
+        self.line(format_args!("machine {}{}", m.name.text, text(&m.description)))?;
+        for cycle in &m.cycles {
+            self.line(format_args!("cycle {}ms", cycle.milliseconds.unwrap_or(0)))?;
+        }
+        for (word, signals) in [("inputs", &m.inputs), ("outputs", &m.outputs)] {
+            if signals.is_empty() {
+                continue;
+            }
+            self.block(format_args!("{word}"), |w| {
+                signals.iter().try_for_each(|s| {
+                    let address = clause("at", s.address.as_ref());
+                    w.line(format_args!("{}{address}{}", s.name.text, text(&s.description)))
+                })
+            })?;
+        }
+        if !m.variables.is_empty() {
+            self.block(format_args!("variables"), |w| {
+                m.variables.iter().try_for_each(|v| {
+                    w.line(format_args!("{} : BOOL := {}{}", v.name.text, v.initial, text(&v.description)))
+                })
+            })?;
+        }
+        m.actuators.iter().try_for_each(|a| self.actuator(a))?;
+        for chart in &m.charts {
+            let head = format!(
+                "chart {}{}{}",
+                chart.name.text,
+                clause("controls", chart.controls.as_ref()),
+                text(&chart.description)
+            );
+            self.block(format_args!("{head}"), |w| w.body(&chart.body))?;
+        }
+        m.safety.iter().try_for_each(|s| self.safety(s))
+    }
+
+    fn actuator(&mut self, a: &Actuator) -> fmt::Result {
+        let technology = match a.technology {
+            Technology::Bistable => "bistable",
+            Technology::Monostable => "monostable",
+            Technology::OnOff => "onoff",
+        };
+        let head =
+            format!("actuator {} {technology}{}{}", a.name.text, clause("by", a.by.as_ref()), text(&a.description));
+        if a.positions.is_empty() {
+            return self.line(format_args!("{head}"));
+        }
+        self.block(format_args!("{head}"), |w| {
+            a.positions.iter().try_for_each(|p| {
+                let sensor = p.sensor.as_ref().map(|g| format!(" sensor {}", condition(g))).unwrap_or_default();
+                let output = clause("output", p.output.as_ref());
+                w.line(format_args!("position {}{output}{sensor}{}", p.name.text, text(&p.description)))
+            })
+        })
+    }
+
+    fn body(&mut self, body: &Body) -> fmt::Result {
+        for drive in &body.drives {
+            self.line(format_args!("drives {}{}", drive.output.text, when(&drive.condition)))?;
+        }
+        for action in &body.actions {
+            let verb = if action.value { "sets" } else { "resets" };
+            self.line(format_args!("{verb} {}{}", action.variable.text, when(&action.condition)))?;
+        }
+        for region in &body.regions {
+            let head = format!(
+                "region {}{}{}",
+                region.name.text,
+                clause("controls", region.controls.as_ref()),
+                text(&region.description)
+            );
+            self.block(format_args!("{head}"), |w| w.body(&region.body))?;
+        }
+        body.states.iter().try_for_each(|s| self.state(s))?;
+        body.transitions.iter().try_for_each(|t| self.transition(t))
+    }
+
+    fn state(&mut self, s: &State) -> fmt::Result {
+        let word = |present: bool, word: &str| if present { format!("{word} ") } else { String::new() };
+        let head = format!(
+            "{}{}{}state {}{}{}{}",
+            word(s.initial.is_some(), "initial"),
+            word(s.is_final.is_some(), "final"),
+            word(s.parallel.is_some(), "parallel"),
+            s.name.text,
+            clause("at", s.position.as_ref()),
+            clause("controls", s.controls.as_ref()),
+            text(&s.description)
+        );
+        match &s.body {
+            None => self.line(format_args!("{head}")),
+            Some(body) => self.block(format_args!("{head}"), |w| w.body(body)),
+        }
+    }
+
+    fn transition(&mut self, t: &Transition) -> fmt::Result {
+        let source = match &t.source {
+            Source::State(path) => words(path),
+            Source::Any(_) => "any".to_owned(),
+        };
+        let (verb, name) = match &t.movement {
+            Some(m) => ("move from", clause("as", m.name.as_ref())),
+            None => ("from", String::new()),
+        };
+        let priority = t.priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default();
+        let effects: Vec<String> = t
+            .effects
+            .iter()
+            .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text))
+            .collect();
+        let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
+        self.line(format_args!(
+            "{verb} {source} to {}{name}{priority}{}{effects}{}",
+            words(&t.target),
+            when(&t.guard),
+            text(&t.description)
+        ))
+    }
+
+    fn safety(&mut self, s: &Safety) -> fmt::Result {
+        self.block(format_args!("safety {}", s.mode.text), |w| {
+            for a in &s.assumptions {
+                w.line(format_args!("assume {}: never {}{}", a.name.text, condition(&a.never), text(&a.text)))?;
+            }
+            s.constraints.iter().try_for_each(|c| {
+                let yields: Vec<&str> = c.yields.iter().map(|y| y.text.as_str()).collect();
+                let yields = if yields.is_empty() { String::new() } else { format!(" yields {}", yields.join(", ")) };
+                w.line(format_args!("{}: never {}{yields}{}", c.name.text, condition(&c.never), text(&c.text)))
+            })
+        })
+    }
+}
+
+fn clause(word: &str, name: Option<&Name>) -> String {
+    name.map(|n| format!(" {word} {}", n.text)).unwrap_or_default()
+}
+
+fn text(text: &Option<Text>) -> String {
+    let quoted = |t: &Text| format!(" \"{}\"", t.value.replace('\\', "\\\\").replace('"', "\\\""));
+    text.as_ref().map(quoted).unwrap_or_default()
+}
+
+fn when(guard: &Option<Guard>) -> String {
+    guard.as_ref().map(|g| format!(" when {}", condition(g))).unwrap_or_default()
+}
+
+fn words(path: &Path) -> String {
+    path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".")
+}
+
+fn condition(guard: &Guard) -> String {
+    expression(&guard.expr)
+}
+
+fn expression(expr: &Expr<Term>) -> String {
+    let mut out = String::new();
+    let path = |p: &PathRef| p.parts.iter().map(|(t, _)| t.as_str()).collect::<Vec<_>>().join(".");
+    let written = expr.write(&mut out, &CHART, &mut |term, f| match term {
+        Term::Value(p) => f.write_str(&path(p)),
+        Term::Prev(p) => write!(f, "prev({})", path(p)),
+        Term::Rise(p) => write!(f, "rise({})", path(p)),
+        Term::Fall(p) => write!(f, "fall({})", path(p)),
+        Term::In(p) => write!(f, "in({})", path(p)),
+        Term::DoneOf(p) => write!(f, "done({})", path(p)),
+        Term::Done(_) => f.write_str("done"),
+        Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
+    });
+    written.expect("writing to a string succeeds");
+    out
+}

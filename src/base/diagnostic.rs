@@ -202,6 +202,13 @@ codes! {
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
 
+    NotPlcopen "E601" "the file is not PLCopen XML",
+    NotUnderstood "E602" "a construct of the PLC project is not understood",
+    Undeclared "E603" "a name is not declared in the PLC project",
+    Unconnected "E604" "an element of a drawing is not connected as it must be",
+    BrokenText "E605" "a text in a PLC language has a wrong form or type",
+    Clash "E606" "two things in the PLC project have one name, number or address",
+
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",
     CyclicReliefs "W503" "reliefs of combined constraints form a cycle",

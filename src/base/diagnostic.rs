@@ -189,7 +189,7 @@ codes! {
     TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
     SetAndReset "E311" "one transition sets and resets a variable",
-    BadCycle "E312" "the cycle time is out of range",
+    BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",

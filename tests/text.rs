@@ -2,7 +2,7 @@
 
 use crate::support::plc;
 use chartwright::base::{LineIndex, Span};
-use chartwright::emit::names::names;
+use chartwright::emit::names::table;
 use chartwright::ir::plc::{Body, Origin, Role};
 use chartwright::ir::sfc::Sfc;
 use chartwright::ir::text;
@@ -79,7 +79,7 @@ fn a_name_leads_back_to_the_model() {
     let mut sfc = Sfc::default();
     plc::step(&mut sfc, "Idle", None);
     plc::program(&mut project, "Region", Body::Sfc(sfc));
-    insta::assert_snapshot!(names(&project, &LineIndex::new("line\nb odd\n")), @r#"
+    insta::assert_snapshot!(table(&project, &LineIndex::new("line\nb odd\n")), @r#"
     name,kind,program,model,line,column,description
     Odd,variable,,variable odd,2,2,"says ""no"",
     then yes"

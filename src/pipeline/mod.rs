@@ -1,10 +1,12 @@
 //! The one place that knows the order of the stages.
 
 use crate::base::{Diagnostics, LineIndex};
-use crate::emit::{self, Dialect, Header};
+use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::{check, lower, parse, resolve};
+
+pub use crate::emit::Dialect;
 
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
@@ -30,8 +32,8 @@ pub fn lower(machine: &Machine) -> Project {
 pub struct Options {
     /// For which family of IDEs.
     pub dialect: Dialect,
-    /// What the file says of its own making.
-    pub header: Header,
+    /// When the file says that it was made, as `xsd:dateTime`; never read from a clock here.
+    pub created: String,
 }
 
 /// What [`build`] makes.
@@ -52,7 +54,8 @@ pub fn build(source: &str, options: &Options) -> (Option<Output>, Diagnostics) {
     let (machine, diagnostics) = check(source);
     let output = machine.map(|machine| {
         let project = lower(&machine);
-        let xml = emit::plcopen(&project, options.dialect, &options.header);
+        let header = Header { created: options.created.clone(), ..Header::default() };
+        let xml = emit::plcopen(&project, options.dialect, &header);
         let names = emit::names::table(&project, &LineIndex::new(source));
         Output { machine, project, xml, names }
     });

@@ -2,5 +2,6 @@
 
 mod emit;
 mod layout;
+mod random_models;
 mod support;
 mod text;

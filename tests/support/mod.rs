@@ -1,6 +1,10 @@
 //! What several tests share.
 
 pub mod charts;
+pub mod items;
 pub mod plc;
+pub mod random;
 pub mod read;
+pub mod rng;
 pub mod schema;
+pub mod shrink;

@@ -1,7 +1,16 @@
 //! The tests that use only the public interface, in one binary.
 
+mod cli;
+mod docs;
 mod emit;
+mod explain;
+mod invalid;
+mod layers;
 mod layout;
+mod licences;
+mod mutants;
 mod random_models;
+mod snapshots;
+mod stability;
 mod support;
 mod text;

@@ -9,7 +9,7 @@ use chartwright::pipeline;
 use chartwright::simulate::chart::Chart;
 
 /// How many scans each model runs.
-const SCANS: usize = 100;
+const SCANS: usize = 1000;
 
 /// How many models the tests look at.
 fn models() -> usize {

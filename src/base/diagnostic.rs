@@ -186,10 +186,11 @@ codes! {
     NeverDone "E306" "a state is never done",
     SamePriority "E307" "two transitions of one source have one priority",
     NeverFires "E308" "a transition can never fire",
-    TooManyStates "E309" "a region has more states than one SFC may have",
+    TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
     SetAndReset "E311" "one transition sets and resets a variable",
     BadCycle "E312" "the cycle time is out of range",
+    NoChart "E313" "a machine has no chart",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",

@@ -1,7 +1,9 @@
 //! What several tests share.
 
+pub mod binary;
 pub mod charts;
 pub mod items;
+pub mod models;
 pub mod plc;
 pub mod random;
 pub mod read;

@@ -24,8 +24,8 @@ impl Model {
             }
         }
         for state in 0..self.states.len() {
-            let State { ways_out, movement, .. } = self.states[state];
-            if ways_out == 0 && !movement && self.states[state].regions.is_empty() && self.rng.chance(60) {
+            let State { ways_out, movement, is_final, .. } = self.states[state];
+            if ways_out == 0 && !movement && self.rng.chance(if is_final { 20 } else { 90 }) {
                 self.last_way_out(state);
             }
         }
@@ -35,10 +35,16 @@ impl Model {
     /// same source comes too late.
     fn last_way_out(&mut self, source: usize) {
         let region = self.states[source].region;
-        let Some(target) = self.same_position(source) else { return };
-        if self.rng.chance(60) {
-            return self.plain(region, source, target);
+        let states = self.regions[region].states.clone();
+        if !self.states[source].regions.is_empty() || self.rng.chance(60) {
+            let target = *self.rng.pick(&states);
+            return if self.states[target].movement {
+                self.plain(region, source, target)
+            } else {
+                self.connect(region, source, target)
+            };
         }
+        let Some(target) = self.same_position(source) else { return };
         let effects = self.effects(region);
         let (from, to) = (&self.states[source].name, &self.states[target].name);
         self.put(region, format!("from {from} to {to}{effects}"));
@@ -109,6 +115,11 @@ impl Model {
         let guard = match self.rng.below(100) {
             0..=3 if self.can_be_done(source) => String::new(),
             4..=6 if self.can_be_done(source) => format!(" when done and {}", self.guard(1)),
+            // What would leave a composite state all the time would keep what is inside from moving.
+            _ if !self.states[source].regions.is_empty() && self.rng.chance(70) => {
+                let edge = *self.rng.pick(&["rise", "fall"]);
+                format!(" when {edge}(In{}) and {}", self.rng.below(self.inputs), self.guard(1))
+            }
             _ => format!(" when {}", self.guard(2)),
         };
         let (priority, effects) = (self.priority(), self.effects(scope));
@@ -175,9 +186,10 @@ impl Model {
         if bistable && self.states[target].region == region && !self.rng.chance(10) {
             return;
         }
-        let (priority, guard, effects) = (self.priority(), self.guard(2), self.effects(scope));
+        let (priority, guard, effects) = (self.priority(), self.guard(1), self.effects(scope));
+        let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
         let to = &self.states[target].name;
-        self.put(region, format!("from any to {to}{priority} when {guard}{effects}"));
+        self.put(region, format!("from any to {to}{priority} when {edge} and {guard}{effects}"));
     }
 
     /// Writes a transition into a region; one that belongs to a parallel state may stand beside them.

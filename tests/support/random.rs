@@ -131,7 +131,7 @@ impl Model {
             regions: Vec::new(),
             states: Vec::new(),
             charts: Vec::new(),
-            prefix: *rng.pick::<&str>(&["S", "State", "Q", "AnExtraordinarilyLongNameForAState"]),
+            prefix: rng.pick::<&str>(&["S", "State", "Q", "AnExtraordinarilyLongNameForAState"]),
             names: 0,
             priorities,
             addresses: rng.chance(60),

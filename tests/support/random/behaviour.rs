@@ -20,7 +20,7 @@ impl Model {
             match self.rng.below(10) {
                 0..=4 => self.beside(),
                 5..=8 => self.across(),
-                _ => self.from_any(),
+                _ => self.any_out(),
             }
         }
         for state in 0..self.states.len() {
@@ -176,7 +176,7 @@ impl Model {
         self.plain(place, source, target);
     }
 
-    fn from_any(&mut self) {
+    fn any_out(&mut self) {
         let region = self.rng.below(self.regions.len());
         let target = self.rng.below(self.states.len());
         let source = self.regions[region].initial;

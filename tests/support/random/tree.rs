@@ -147,10 +147,10 @@ impl Model {
 
     /// What an owner of regions controls, and what stands between its braces.
     fn bodies(&mut self, regions: &[usize]) -> (String, Vec<Item>) {
-        if let [only] = regions {
-            if self.regions[*only].name.is_none() {
-                return (self.controls(*only), self.body(*only));
-            }
+        if let [only] = regions
+            && self.regions[*only].name.is_none()
+        {
+            return (self.controls(*only), self.body(*only));
         }
         let items = regions.iter().map(|&r| {
             let name = self.regions[r].name.expect("one of several regions has a name");

@@ -13,6 +13,8 @@
 //! | [`layout`] | SFC, ladder | drawing |
 //! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
 //!
+//! Beside them, [`simulate`] runs a machine scan by scan.
+//!
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
 
@@ -26,4 +28,5 @@ pub mod lower;
 pub mod parse;
 pub mod pipeline;
 pub mod resolve;
+pub mod simulate;
 pub mod stats;

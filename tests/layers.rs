@@ -17,8 +17,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("layout", &["base", "ir"]),
     ("emit", &["base", "ir", "layout"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "stats"]),
+    ("simulate", &["base", "ir"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "simulate"]),
+    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

@@ -16,6 +16,7 @@ use std::path::PathBuf;
 Examples:
   chartwright check door.chart     say what is wrong with a model
   chartwright build door.chart     write door.xml
+  chartwright test door.chart      run the scenarios that it holds
   chartwright explain E101         explain an error
 
 Exit codes:
@@ -34,6 +35,7 @@ pub struct Cli {
 pub enum Command {
     Check(Check),
     Build(Build),
+    Test(Test),
     Stats(Stats),
     Explain(Explain),
 }
@@ -99,6 +101,39 @@ pub struct Build {
     /// stands for in the model; `-` is standard output.
     #[arg(long, value_name = "NAMES")]
     pub names: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Runs the scenarios of models.
+///
+/// Reads and checks each FILE and plays every scenario in it, in the plant that the model
+/// describes. A scenario fails at the first expectation that is not met; what is shown then is the
+/// scan, the values concerned and what changed in the scans before.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright test models/*.chart
+  chartwright test door.chart --filter \"somebody comes\"
+  chartwright test door.chart --junit report.xml
+
+Exit codes:
+  0  every scenario that was played went as expected
+  1  a scenario failed, a model has errors, or a file cannot be read or written
+  2  the command line is wrong")]
+pub struct Test {
+    /// The models.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+
+    /// Only scenarios whose name holds this text.
+    #[arg(long, value_name = "NAME")]
+    pub filter: Option<String>,
+
+    /// Where to write a report as JUnit XML, for CI; `-` is standard output.
+    #[arg(long, value_name = "REPORT")]
+    pub junit: Option<PathBuf>,
 
     #[command(flatten)]
     pub output: Output,

@@ -4,6 +4,7 @@ use crate::base::{Diagnostics, LineIndex};
 use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
+use crate::simulate::run::Program;
 use crate::{check, lower, parse, resolve};
 
 pub use crate::emit::Dialect;
@@ -25,6 +26,11 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
 /// A machine without errors to its PLC project.
 pub fn lower(machine: &Machine) -> Project {
     lower::lower(machine)
+}
+
+/// What a machine without errors runs as, each with its name: the chart itself.
+pub fn programs(machine: &Machine) -> Vec<(&'static str, Program)> {
+    vec![("chart", Program::chart(machine))]
 }
 
 /// What [`build`] is told.

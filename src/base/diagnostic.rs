@@ -189,7 +189,7 @@ codes! {
     TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
     SetAndReset "E311" "one transition sets and resets a variable",
-    BadCycle "E312" "the cycle time is out of range",
+    BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
@@ -202,10 +202,17 @@ codes! {
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
 
+    NotPlcopen "E601" "the file is not PLCopen XML",
+    NotUnderstood "E602" "a construct of the PLC project is not understood",
+    Undeclared "E603" "a name is not declared in the PLC project",
+    Unconnected "E604" "an element of a drawing is not connected as it must be",
+    BrokenText "E605" "a text in a PLC language has a wrong form or type",
+    Clash "E606" "two things in the PLC project have one name, number or address",
+
     CannotTravel "E701" "an actuator cannot travel as the plant says",
     GivenTwice "E702" "an input is given by an actuator and by a rule of the plant",
     PlantReads "E703" "the plant reads what it cannot know",
-    BadTime "E704" "a time or a number of repetitions is out of range",
+    BadScans "E704" "a time or a number of repetitions is out of range",
     GivenByPlant "E705" "a scenario sets an input that the plant gives",
     NothingRan "E706" "an expectation stands where no scan has run",
     CyclicScenarios "E707" "scenarios begin after each other",

@@ -115,6 +115,13 @@ fn pou(xml: &mut Xml, project: &Project, program: &Program, dialect: Dialect) {
     });
 }
 
+/// The declaration of a timer.
+fn timer(xml: &mut Xml, name: &str) {
+    xml.tag("variable").attr("name", name).with(|xml| {
+        xml.element("type", |xml| xml.tag("derived").attr("name", "TON").empty());
+    });
+}
+
 /// Position `x`, `y`.
 fn position(xml: &mut Xml, name: &'static str, x: i32, y: i32) {
     xml.tag(name).attr("x", x).attr("y", y).empty();

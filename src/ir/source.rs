@@ -275,6 +275,7 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
         Term::Alarm(p) => write!(f, "alarm({})", path(p)),
         Term::Done(_) => f.write_str("done"),
+        Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
     });
     written.expect("writing to a string succeeds");
     out

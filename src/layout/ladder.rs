@@ -6,7 +6,7 @@
 
 use super::{Branches, MARGIN, text_width};
 use crate::ir::drawing::{CHAR, Drawing, Element, ElementId, LINE, LadderShape, Point, Rect, Wire};
-use crate::ir::ladder::{Ladder, Rung};
+use crate::ir::ladder::{Ladder, Rung, Timer};
 use crate::ir::plc::{GlobalId, Project};
 use crate::ir::sop::Literal;
 
@@ -21,6 +21,8 @@ const RUNG_GAP: i32 = 40;
 const JUNCTION: i32 = 20;
 /// Between the names of neighbours.
 const GAP: i32 = 20;
+/// A timer: how far above its first pin it begins, from its first pin to its second, and to its end.
+const TIMER: (i32, i32, i32) = (LINE + SYMBOL.1 / 2, 28, 44);
 /// Longest line of a comment, in characters.
 const COMMENT: usize = 100;
 
@@ -31,13 +33,19 @@ pub fn draw(project: &Project, ladder: &Ladder, branches: Branches) -> Drawing<L
     let contacts = rungs.iter().map(|p| p.columns.iter().sum::<i32>()).max().unwrap_or(0);
     let coils = ladder.rungs.iter().map(|r| name(r.coil)).max().unwrap_or(0).max(SYMBOL.0) + GAP;
     let first = MARGIN + RAIL + JUNCTION;
-    let coil = first + contacts + JUNCTION + coils / 2;
+    let timers = || ladder.rungs.iter().filter_map(|r| r.timer.as_ref());
+    let preset = timers().map(|t| text_width(&t.literal())).max().map_or(0, |w| w + GAP);
+    let box_width = timers().map(|t| text_width(&t.instance)).max().map_or(0, |w| w + 2 * GAP);
+    let timer = first + contacts + JUNCTION + preset + GAP;
+    let behind = if box_width == 0 { first + contacts } else { timer + box_width + JUNCTION };
+    let coil = behind + JUNCTION + coils / 2;
     let right = coil + coils / 2 + JUNCTION;
 
     let mut drawing = Drawing { width: right + RAIL + MARGIN, ..Drawing::new() };
     let mut y = MARGIN;
     for (index, (rung, plan)) in ladder.rungs.iter().zip(&rungs).enumerate() {
-        y = Frame { project, first, coil, right }.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
+        y = Frame { project, first, timer: (timer, box_width), coil, right }.rung(&mut drawing, index, rung, plan, y)
+            + RUNG_GAP;
     }
     let widest = drawing.elements.iter().map(|e| e.area.x + e.area.width).max().unwrap_or(0);
     drawing.width = drawing.width.max(widest + MARGIN);
@@ -81,6 +89,8 @@ struct Frame<'a> {
     project: &'a Project,
     /// Left edge of the first column of contacts.
     first: i32,
+    /// Left edge and width of the timers.
+    timer: (i32, i32),
     /// Middle of the coils.
     coil: i32,
     /// Left edge of the right rail.
@@ -92,8 +102,9 @@ impl Frame<'_> {
     fn rung(&self, drawing: &mut Drawing<LadderShape>, index: usize, rung: &Rung, plan: &Plan, y: i32) -> i32 {
         let comment = comment_area(&rung.comment, y);
         let y = comment.map_or(y, |c| c.y + c.height + LINE / 2);
-        let height = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
+        let rows = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
         let level = y + LINE + SYMBOL.1 / 2;
+        let height = if rung.timer.is_some() { rows.max(LINE + SYMBOL.1 / 2 + TIMER.2) } else { rows };
 
         let area = Rect { x: MARGIN, y, width: RAIL, height };
         let rail = drawing.push(Element {
@@ -123,6 +134,9 @@ impl Frame<'_> {
         }
         if feeds.is_empty() {
             feeds.push(Wire { from: rail, path: vec![start, coil.0.left()] });
+        }
+        if let Some(timer) = &rung.timer {
+            feeds = vec![self.timer(drawing, index, timer, feeds, (level, coil.0.left()))];
         }
         let (area, label) = coil;
         let id =
@@ -158,6 +172,35 @@ impl Frame<'_> {
             x += width;
         }
         (from, start)
+    }
+
+    /// Draws a timer that `feeds` lead to, with its preset time; returns the line to the coil.
+    fn timer(
+        &self,
+        drawing: &mut Drawing<LadderShape>,
+        rung: usize,
+        timer: &Timer,
+        feeds: Vec<Wire>,
+        (level, coil): (i32, Point),
+    ) -> Wire {
+        let (x, width) = self.timer;
+        let (inlet, preset, height) = TIMER;
+        let area = Rect { x, y: level - inlet, width, height: inlet + height };
+        let text = text_width(&timer.literal()) + GAP;
+        let at = level + preset;
+        let value = Rect { x: x - GAP - text, y: at - LINE / 2, width: text, height: LINE };
+        let value_id =
+            drawing.push(Element { shape: LadderShape::Preset { rung }, area: value, label: None, inputs: Vec::new() });
+        let mut inputs = vec![Wire { from: value_id, path: vec![value.right(), Point { x, y: at }] }];
+        inputs.extend(feeds.into_iter().map(|mut wire| {
+            // The lines were drawn to the coil; they end at the box.
+            for point in &mut wire.path {
+                point.x = point.x.min(x);
+            }
+            wire
+        }));
+        let id = drawing.push(Element { shape: LadderShape::Timer { rung }, area, label: None, inputs });
+        Wire { from: id, path: vec![Point { x: x + width, y: level }, coil] }
     }
 
     /// Left edge of the column of coils.

@@ -35,7 +35,8 @@ impl Resolver {
             | Term::In(_)
             | Term::DoneOf(_)
             | Term::Done(_)
-            | Term::Alarm(_) => self.term(term, context).map(&mut |atom| Expr::Atom(Seen::Machine(*atom))),
+            | Term::Alarm(_)
+            | Term::After(_) => self.term(term, context).map(&mut |atom| Expr::Atom(Seen::Machine(*atom))),
         }
     }
 
@@ -127,6 +128,6 @@ impl Resolver {
 
     /// Reports a time or a number of repetitions.
     pub fn bad_time(&mut self, what: &str, span: crate::base::Span) {
-        self.diagnostics.push(Diagnostic::new(Code::BadTime, what).label(span, "out of range"));
+        self.diagnostics.push(Diagnostic::new(Code::BadScans, what).label(span, "out of range"));
     }
 }

@@ -126,6 +126,8 @@ impl Layout {
                 let mut states = machine.regions[r].states.iter();
                 states.any(|&s| machine.states[s].kind == StateKind::Final && now[self.state(s)])
             }),
+            // The time a state has been active is part of guards only, and those are no conditions here.
+            Seen::Machine(Atom::After(..)) => false,
             Seen::Bit(b) => now[self.bit(b)],
             Seen::PrevBit(b) => before[self.bit(b)],
             Seen::Acted(c) => now[self.acted(c)],

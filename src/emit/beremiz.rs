@@ -23,6 +23,9 @@ use crate::ir::plc::{Global, Program, Project};
 use crate::ir::sfc::Sfc;
 use crate::layout::{self, Branches, Structure};
 
+/// What the local variable of a program is called that uses no global.
+const UNUSED: &str = "Unused";
+
 /// The root element, still open for attributes.
 pub fn root(xml: &mut Xml) -> Tag<'_> {
     xml.tag("project")
@@ -39,8 +42,7 @@ pub fn interface(xml: &mut Xml, project: &Project, program: &Program) {
         }
         if used.is_empty() {
             xml.element("localVars", |xml| {
-                let name = unused_name(project, "Unused");
-                xml.tag("variable").attr("name", name).with(kind);
+                xml.tag("variable").attr("name", unused_name(project, UNUSED)).with(kind);
             });
         } else {
             xml.element("externalVars", |xml| {
@@ -203,6 +205,9 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
 
 /// The body of a program in LD.
 pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
+    if ladder.rungs.is_empty() {
+        return idle(xml, &unused_name(project, UNUSED));
+    }
     let drawing = layout::ladder::draw(project, ladder, Branches::EqualShape);
     let mut numbers = Numbers::new(drawing.elements.len());
     for element in &drawing.elements {
@@ -290,6 +295,25 @@ fn timer_pins(xml: &mut Xml, area: &Rect, inputs: &[Wire], numbers: &Numbers) {
                 connect_out(xml, "connectionPointOut", None, area, Point { x: area.x + area.width, y });
             });
         }
+    });
+}
+
+/// A rung that does nothing, for a ladder without rungs: a program has to have a body.
+fn idle(xml: &mut Xml, variable: &str) {
+    let mut numbers = Numbers::new(2);
+    let rail = Rect { x: 40, y: 40, width: 4, height: 40 };
+    let coil = Rect { x: 80, y: 52, width: 20, height: 16 };
+    let wire = Wire { from: 0, path: vec![rail.right(), coil.left()] };
+    numbers.tag(xml, "leftPowerRail", &rail).with(|xml| {
+        position(xml, "position", rail.x, rail.y);
+        connect_out(xml, "connectionPointOut", Some(""), &rail, rail.right());
+    });
+    numbers.given(None);
+    numbers.tag(xml, "coil", &coil).with(|xml| {
+        position(xml, "position", coil.x, coil.y);
+        connect_in(xml, "connectionPointIn", &coil, coil.left(), [&wire], &numbers);
+        connect_out(xml, "connectionPointOut", None, &coil, coil.right());
+        xml.tag("variable").text(variable);
     });
 }
 

@@ -13,14 +13,16 @@
 //! # Where globals and the task stand
 //!
 //! An import inserts objects below the selected node, which for programs and variable lists is the
-//! application. In real exports of its children, programs stand in `types/pous` and variable lists
-//! in vendor data of the project; a `configuration` would be refused there, and with it all that it
-//! holds. So `configurations` is empty and the variables are a list in vendor data `globalvars`.
+//! application. In exports of its children, programs stand in `types/pous` and variable lists in
+//! vendor data of the project. A `configuration` is refused below the application, and with it all
+//! that it holds, while programs and vendor lists arrive (a public report on V3.5 SP21; no IDE was
+//! run for this project). So `configurations` is empty and the variables are a list in vendor data
+//! `globalvars`.
 //!
 //! No export of children names a task. The task stands where an export of a whole application has
-//! it, in vendor data `application`: an import below the application leaves it aside, but whoever
-//! reads the file finds in it which programs the task calls, and in which order. Where it is left
-//! aside the programs have to be put under the task by hand, in that order.
+//! it, in vendor data `application`. An import below the application has no place for it, as for a
+//! configuration; but whoever reads the file finds in it which programs the task calls, and in which
+//! order. After such an import the programs have to be put under the task by hand, in that order.
 
 use super::xml::{Tag, Xml};
 use super::{position, timer, unused_name};

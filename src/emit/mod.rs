@@ -1,7 +1,7 @@
 //! PLC project to text that PLC IDEs read: PLCopen XML (TC6), and a table of names.
 //!
 //! Two families of IDEs read PLCopen XML, with rules that exclude each other. Each has its writer,
-//! [`beremiz`] and [`codesys`]; what both share is here: the headers, the frame of types and
+//! `beremiz` and `codesys`; what both share is here: the headers, the frame of types and
 //! programs. Both write elements in the order of the [drawing](crate::ir::drawing), and number them
 //! as they go.
 

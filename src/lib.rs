@@ -13,7 +13,8 @@
 //! | [`layout`] | SFC, ladder | drawing |
 //! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
 //!
-//! Beside them, [`simulate`] runs a machine scan by scan.
+//! Two more check what came out: [`read`] turns PLCopen XML of any origin into a PLC project as it
+//! is executed, [`simulate`] executes it scan by scan, and the machine that it was made from.
 //!
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
@@ -27,6 +28,7 @@ pub mod layout;
 pub mod lower;
 pub mod parse;
 pub mod pipeline;
+pub mod read;
 pub mod resolve;
 pub mod simulate;
 pub mod stats;

@@ -79,7 +79,7 @@ fn incoherence(source: &str, seed: u64) -> Option<String> {
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
-            Atom::In(_) | Atom::Done(_) => unreachable!("constraints do not know of states"),
+            Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
         let mut assumed = true;
         for (i, assumption) in machine.safety.assumptions.iter().enumerate() {

@@ -16,9 +16,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("lower", &["base", "ir"]),
     ("layout", &["base", "ir"]),
     ("emit", &["base", "ir", "layout"]),
-    ("stats", &["base", "ir"]),
+    ("read", &["base", "ir"]),
     ("simulate", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "simulate"]),
+    ("stats", &["base", "ir"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "simulate"]),
     ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 

@@ -9,6 +9,7 @@ mod layers;
 mod layout;
 mod licences;
 mod mutants;
+mod random_models;
 mod snapshots;
 mod stability;
 mod support;

@@ -1,12 +1,11 @@
-//! Runs what the compiler reads and what it writes, scan by scan.
+//! Scan cycles of a machine or of its PLC project.
 //!
-//! [`chart`] runs a machine by the meaning that [`crate::ir::chart`] gives it. It knows nothing of how
-//! a machine is translated, so that it can be held against the translation.
+//! [`chart`] runs a machine by the meaning that [`crate::ir::chart`] gives it, [`plc`] a PLC project by
+//! that of [`crate::ir::iec`]. Neither knows of the other or of the translation between them, so that
+//! they can be held against each other. [`trace`] is what goes into a run and comes out of it.
 //!
-//! [`plc`] runs a PLC project that was read back from what is emitted; [`trace`] are tables of such runs.
-//!
-//! Around them, [`plant`] is how the machine's parts react, [`run`] the closed loop, [`scenario`] a
-//! test that is played on it and [`record`] what is shown of a run.
+//! Around either, [`plant`] is how the machine's parts react, [`run`] the closed loop, [`scenario`] a
+//! test that is played on it, [`record`] and [`vcd`] what is shown of a run.
 
 pub mod chart;
 pub mod frame;
@@ -16,3 +15,4 @@ pub mod record;
 pub mod run;
 pub mod scenario;
 pub mod trace;
+pub mod vcd;

@@ -3,20 +3,81 @@
 use super::chart::Chart;
 use super::frame::{Frame, Layout};
 use super::plant::Plant;
+use super::plc::Plc;
+use crate::base::Span;
 use crate::ir::chart::{InputId, Machine};
+use crate::ir::plc::{self, Role};
 use crate::ir::scenario::Condition;
+use crate::ir::{iec, iec::VarId};
 
 /// What runs the machine.
 #[derive(Clone, Debug)]
 pub enum Program {
     /// The chart, by its own meaning.
     Chart(Box<Chart>),
+    /// A PLC that runs what the chart was compiled to.
+    Plc(Box<Wired>),
+}
+
+/// A PLC, and which of its variables are what of the machine.
+#[derive(Clone, Debug)]
+pub struct Wired {
+    plc: Plc,
+    inputs: Vec<VarId>,
+    /// Places in frames with variables; a place is TRUE if one of its variables is.
+    shown: Vec<(usize, VarId)>,
 }
 
 impl Program {
     /// The chart of `machine`.
     pub fn chart(machine: &Machine) -> Program {
         Program::Chart(Box::new(Chart::new(machine)))
+    }
+
+    /// A PLC with what `machine` was compiled to: `written` is that project as it was written, `read` as it
+    /// was read back. Of the first only names are used.
+    ///
+    /// # Panics
+    ///
+    /// If `read` lacks a variable of `written`.
+    pub fn plc(machine: &Machine, written: &plc::Project, read: &iec::Project) -> Program {
+        let layout = Layout::of(machine);
+        let find = |role: Role, what: &str, span: Span| {
+            let globals = written.globals.values();
+            let ours = globals.filter(move |g| g.role == role && g.origin.span == Some(span));
+            let variable = |name: &str| {
+                let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == name);
+                found.map(|(id, _)| id).expect("what was written is read back")
+            };
+            let found: Vec<VarId> = ours.map(|g| variable(&g.name)).collect();
+            assert!(!found.is_empty(), "the program has nothing for {what}");
+            found
+        };
+        let inputs = machine.inputs.values().map(|i| find(Role::Input, &i.name, i.span)[0]).collect();
+        let mut shown = Vec::new();
+        let mut show = |place: usize, found: Vec<VarId>| shown.extend(found.into_iter().map(|v| (place, v)));
+        for (id, o) in machine.outputs.iter() {
+            show(layout.output(id), find(Role::Output, &o.name, o.span));
+        }
+        for (id, v) in machine.variables.iter() {
+            show(layout.variable(id), find(Role::Variable, &v.name, v.span));
+        }
+        for (id, s) in machine.states.iter() {
+            // `move` and the like make several states of one place in the text.
+            let what = format!("state {}", machine.state_path(id));
+            let flag = written.globals.values().find(|g| g.role == Role::StepFlag && g.origin.what == what);
+            let name = &flag.expect("each state has a flag").name;
+            let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == *name);
+            debug_assert!(found.is_some(), "{} is read back", s.name);
+            show(layout.state(id), found.map(|(id, _)| id).into_iter().collect());
+        }
+        for (id, c) in machine.safety.constraints.iter() {
+            show(layout.acted(id), find(Role::Alarm, &c.name, c.span));
+        }
+        for (i, a) in machine.safety.assumptions.iter().enumerate() {
+            show(layout.broken(i), find(Role::Alarm, &a.name, a.span));
+        }
+        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown }))
     }
 
     /// Runs one scan with the inputs that stand in `frame` and writes all else into it.
@@ -38,6 +99,17 @@ impl Program {
                 }
                 for i in 0..machine.safety.assumptions.len() {
                     frame[layout.broken(i)] = chart.broken(i);
+                }
+            }
+            Program::Plc(wired) => {
+                for (&variable, &value) in wired.inputs.iter().zip(&frame[layout.inputs()]) {
+                    wired.plc.write(variable, i64::from(value));
+                }
+                let milliseconds = i64::try_from(milliseconds(machine, wired.plc.scans() + 1)).unwrap_or(i64::MAX);
+                wired.plc.scan(milliseconds.saturating_mul(1000));
+                frame[layout.written().start..].fill(false);
+                for &(place, variable) in &wired.shown {
+                    frame[place] |= wired.plc.read(variable) != 0;
                 }
             }
         }

@@ -2,7 +2,11 @@
 
 pub mod binary;
 pub mod charts;
+pub mod items;
 pub mod models;
 pub mod plc;
+pub mod random;
 pub mod read;
+pub mod rng;
 pub mod schema;
+pub mod shrink;

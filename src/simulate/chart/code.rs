@@ -14,7 +14,9 @@
 //! with a [`Op::Not`] behind it. What is no such thing is a sequence in postfix order over a stack of
 //! bits that is itself one word.
 //!
-//! [`Atom::Done`] is gone: it is spelt out in final states.
+//! [`Atom::Done`] is gone: it is spelt out in final states. [`Atom::After`] is no bit but an instruction
+//! of its own, because it would have to be brought up to date for every state in every scan: for each
+//! state, the scan that entered it last is kept, which tells all that is asked.
 
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, VariableId};
 use crate::ir::expr::Expr;
@@ -65,16 +67,32 @@ impl Layout {
             Atom::PrevOutput(o) => half(self.outputs, o.index(), HALF),
             Atom::Variable(v) => self.variable(v),
             Atom::In(s) => self.state(s),
-            Atom::Done(_) => unreachable!("`done` has been spelt out"),
+            Atom::Done(_) | Atom::After(..) => unreachable!("`done` is spelt out, `after` is no bit"),
         }
     }
 }
 
-/// One instruction. `Test` puts a bit on the stack, the others replace one or two.
+/// All that a guard can read.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// The row of words.
+    pub words: Vec<u64>,
+    /// The number of this scan, counted from 1.
+    pub scan: u64,
+    /// For each state, the number of the scan that entered it last.
+    pub entered: Vec<u64>,
+}
+
+/// One instruction. `Test` and `Waited` put a bit on the stack, the others replace one or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Op {
-    /// Whether the word has, under the mask, exactly the wanted bits.
     Test(Test),
+    /// Whether that many scans have begun in the state after the first one that did, if it has been
+    /// active all the while.
+    Waited {
+        state: u32,
+        scans: u32,
+    },
     Not,
     And,
     Or,
@@ -118,13 +136,15 @@ impl Condition {
 #[derive(Clone, Debug)]
 pub struct Code {
     layout: Layout,
+    /// Milliseconds from scan to scan.
+    cycle: u32,
     ops: Vec<Op>,
 }
 
 impl Code {
     /// No instructions yet.
-    pub fn new(layout: Layout) -> Code {
-        Code { layout, ops: Vec::new() }
+    pub fn new(layout: Layout, cycle: u32) -> Code {
+        Code { layout, cycle, ops: Vec::new() }
     }
 
     /// Translates a guard.
@@ -132,6 +152,7 @@ impl Code {
         let from = self.ops.len() as u32;
         let spelt_out = guard.map(&mut |&atom| match atom {
             Atom::Done(state) => done(machine, state),
+            Atom::After(state, _) => Expr::And(vec![Expr::Atom(Atom::In(state)), Expr::Atom(atom)]),
             other => Expr::Atom(other),
         });
         if spelt_out != Expr::TRUE {
@@ -159,12 +180,16 @@ impl Code {
     }
 
     /// Whether the condition holds.
-    pub fn holds(&self, condition: Condition, words: &[u64]) -> bool {
+    pub fn holds(&self, condition: Condition, memory: &Memory) -> bool {
         // The bit below all others stays TRUE: it is what no instructions amount to.
         let mut stack = 1u64;
         for op in &self.ops[condition.from as usize..condition.to as usize] {
             match op {
-                Op::Test(test) => stack = stack << 1 | u64::from(test.holds(words)),
+                Op::Test(test) => stack = stack << 1 | u64::from(test.holds(&memory.words)),
+                Op::Waited { state, scans } => {
+                    let waited = memory.scan > memory.entered[*state as usize] + u64::from(*scans);
+                    stack = stack << 1 | u64::from(waited);
+                }
                 Op::Not => stack ^= 1,
                 Op::And => stack = stack >> 1 & (stack | !1),
                 Op::Or => stack = stack >> 1 | stack & 1,
@@ -177,6 +202,9 @@ impl Code {
     fn compile(&self, guard: &Guard) -> Piece {
         match guard {
             Expr::Const(value) => Piece::test(Test::constant(*value)),
+            Expr::Atom(Atom::After(state, time)) => {
+                Piece::leaf(Op::Waited { state: state.index() as u32, scans: time.div_ceil(self.cycle) })
+            }
             Expr::Atom(_) => self.join(std::slice::from_ref(guard), false),
             Expr::Not(e) => self.compile(e).not(),
             Expr::And(es) => self.join(es, false),
@@ -191,13 +219,9 @@ impl Code {
         let mut pieces = Vec::new();
         let mut literals = Vec::new();
         for e in operands {
-            match e {
-                Expr::Atom(atom) => literals.push((*atom, disjunction)),
-                Expr::Not(inner) => match &**inner {
-                    Expr::Atom(atom) => literals.push((*atom, !disjunction)),
-                    _ => pieces.push(self.compile(e)),
-                },
-                Expr::Const(_) | Expr::And(_) | Expr::Or(_) | Expr::Xor(..) => pieces.push(self.compile(e)),
+            match literal(e) {
+                Some((atom, negated)) => literals.push((atom, negated != disjunction)),
+                None => pieces.push(self.compile(e)),
             }
         }
         let tests = self.tests(literals.into_iter()).into_iter().map(Piece::test);
@@ -221,8 +245,12 @@ struct Piece {
 }
 
 impl Piece {
+    fn leaf(op: Op) -> Piece {
+        Piece { ops: vec![op], depth: 1 }
+    }
+
     fn test(test: Test) -> Piece {
-        Piece { ops: vec![Op::Test(test)], depth: 1 }
+        Piece::leaf(Op::Test(test))
     }
 
     fn not(mut self) -> Piece {
@@ -247,6 +275,16 @@ impl Piece {
         }
         debug_assert!(all.depth < 64);
         all
+    }
+}
+
+/// The atom and whether it stands negated, if the expression is a literal over one bit.
+fn literal(e: &Guard) -> Option<(Atom, bool)> {
+    match e {
+        Expr::Atom(Atom::After(..)) => None,
+        Expr::Atom(atom) => Some((*atom, false)),
+        Expr::Not(inner) => literal(inner).map(|(atom, negated)| (atom, !negated)),
+        Expr::Const(_) | Expr::And(_) | Expr::Or(_) | Expr::Xor(..) => None,
     }
 }
 
@@ -308,13 +346,14 @@ mod tests {
         #[test]
         fn code_means_what_the_guard_means(guard in guards(), words in prop::collection::vec(any::<u64>(), 6)) {
             let layout = Layout { outputs: 2, variables: 4, states: 5, words: 6 };
-            let mut code = Code::new(layout);
+            let mut code = Code::new(layout, 10);
             let condition = code.add(&Machine::default(), &guard);
             let value = |atom: &Atom| {
                 let (word, bit) = layout.bit(*atom);
                 words[word] & bit != 0
             };
-            prop_assert_eq!(code.holds(condition, &words), guard.eval(&mut |a| value(a)));
+            let memory = Memory { words: words.clone(), scan: 1, entered: Vec::new() };
+            prop_assert_eq!(code.holds(condition, &memory), guard.eval(&mut |a| value(a)));
         }
     }
 
@@ -322,7 +361,7 @@ mod tests {
     fn a_conjunction_over_one_word_is_one_instruction() {
         let input = |i| Expr::Atom(Atom::Input(InputId::from_index(i)));
         let before = |i| Expr::Atom(Atom::PrevInput(InputId::from_index(i)));
-        let mut code = Code::new(Layout { outputs: 1, variables: 1, states: 1, words: 1 });
+        let mut code = Code::new(Layout { outputs: 1, variables: 1, states: 1, words: 1 }, 10);
         code.add(&Machine::default(), &Expr::all([input(0), before(0).not(), input(3), input(4).not()]));
         assert_eq!(code.ops.len(), 1);
     }

@@ -6,6 +6,8 @@ mod explain;
 mod files;
 mod junit;
 mod report;
+mod session;
+mod simulate;
 mod stats;
 mod test;
 mod time;
@@ -64,6 +66,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
             Command::Test(args) => test::run(&args),
+            Command::Simulate(args) => simulate::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

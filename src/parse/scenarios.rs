@@ -91,9 +91,7 @@ fn step<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Step {
             condition.map_or(Doing::Wait(time), |condition| Doing::Until(condition, time))
         }
         Rule::expect => Doing::Expect(condition.expect("an expectation has a condition")),
-        Rule::watch => {
-            Doing::Watch(condition.expect("a watch has a condition"), source.starts_with("always"))
-        }
+        Rule::watch => Doing::Watch(condition.expect("a watch has a condition"), source.starts_with("always")),
         Rule::repeat => {
             let (count, span) = number.expect("a repetition has a number");
             Doing::Repeat(count, span, inner)

@@ -212,7 +212,12 @@ impl Resolver {
             }
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
-        match self.state(&parts, region) {
+        let found = match (self.chart(parts[0].0), &parts[1..], context) {
+            // From outside, the name of a chart may stand before the path.
+            (Some(region), rest @ [_, ..], Context::Expectation) => self.state(rest, Some(region)),
+            _ => self.state(&parts, region),
+        };
+        match found {
             Some(state) => Expr::Atom(atom(state)),
             None => Expr::FALSE,
         }

@@ -229,6 +229,13 @@ impl Resolver {
         if let [(_, region)] = found[..] { Some(region) } else { None }
     }
 
+    /// The first region of the chart of that name, unless a state or region is called so, too.
+    pub fn chart(&self, name: &str) -> Option<chart::RegionId> {
+        let folded = iec::fold(name);
+        let chart = self.machine.charts.iter().find(|c| iec::fold(&c.name) == folded)?;
+        (!self.names.everywhere.contains_key(&folded)).then(|| chart.regions.first().copied()).flatten()
+    }
+
     /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
     /// else anywhere in the machine if only one fits.
     pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {

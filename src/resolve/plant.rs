@@ -124,7 +124,9 @@ fn sensors(r: &mut Resolver, id: ActuatorId, span: Span) -> Option<Vec<Sensor>> 
         let other = r.machine.plant.travels.iter().find(|t| t.sensors.iter().any(|s| s.input == sensor.input));
         if let Some(other) = other {
             let text = format!("`{}` is a sensor of two actuators that travel", r.machine.inputs[sensor.input].name);
-            let d = Diagnostic::new(Code::CannotTravel, text).label(span, "and of this one").label(other.span, "of this one");
+            let d = Diagnostic::new(Code::CannotTravel, text)
+                .label(span, "and of this one")
+                .label(other.span, "of this one");
             r.diagnostics.push(d);
             return None;
         }

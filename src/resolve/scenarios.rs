@@ -88,9 +88,7 @@ fn step(r: &mut Resolver, written: &ast::Step, gives: &[bool], ran: &mut bool) -
             }
             Doing::Expect(r.condition(condition, &Context::Expectation))
         }
-        ast::Doing::Watch(condition, value) => {
-            Doing::Watch(r.condition(condition, &Context::Expectation), *value)
-        }
+        ast::Doing::Watch(condition, value) => Doing::Watch(r.condition(condition, &Context::Expectation), *value),
         ast::Doing::Repeat(count, span, inner) => {
             let count = match count {
                 Some(n @ 1..=limits::SCENARIO_SCANS) => *n,

@@ -1,8 +1,6 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{
-    Atom, ConstraintId, InputId, Machine, OutputId, StateId, StateKind, VariableId,
-};
+use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, OutputId, StateId, StateKind, VariableId};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
 

@@ -151,6 +151,11 @@ impl<'m> Run<'m> {
         &mut self.plant
     }
 
+    /// The values of inputs and hidden bits, with what was changed since the last scan.
+    pub fn given(&self) -> &[bool] {
+        self.plant.given()
+    }
+
     /// Lets the plant move and the program run once.
     pub fn scan(&mut self) {
         self.plant.step(self.machine, &self.now, &self.before);

@@ -19,8 +19,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("read", &["base", "ir"]),
     ("simulate", &["base", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "stats"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "simulate"]),
+    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

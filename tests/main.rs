@@ -10,6 +10,7 @@ mod layout;
 mod licences;
 mod mutants;
 mod random_models;
+mod scenarios;
 mod snapshots;
 mod stability;
 mod support;

@@ -186,12 +186,6 @@ impl Steps {
             fired.push(step.id);
         }
     }
-
-    /// The states that the transitions that fired in this scan have entered.
-    pub fn entered<'a>(&'a self, configuration: &'a Configuration) -> impl Iterator<Item = StateId> + 'a {
-        let fired = configuration.firing.iter().map(|&at| &self.steps[at as usize]);
-        fired.flat_map(|step| part(&self.enters, &step.enters)).map(|&(_, state)| state)
-    }
 }
 
 /// The state of its scope that a transition leaves.

@@ -255,7 +255,7 @@ fn a_failure_is_reported_with_what_changed_before() {
     wrong.chart:66:3: too slow (chart)
       wait until Ahead within 100ms
       "it <must> be quick"
-      did not become so in 0.100 s until scan 11, 0.100 s
+      has not become so within 0.100 s, up to scan 11, 0.100 s
       Ahead = FALSE
 
       scan     time  inputs   outputs  states
@@ -266,7 +266,7 @@ fn a_failure_is_reported_with_what_changed_before() {
     wrong.chart:66:3: too slow (plc)
       wait until Ahead within 100ms
       "it <must> be quick"
-      did not become so in 0.100 s until scan 11, 0.100 s
+      has not become so within 0.100 s, up to scan 11, 0.100 s
       Ahead = FALSE
 
       scan     time  inputs   outputs  states
@@ -283,7 +283,7 @@ fn junit_and_json_say_the_same() {
     let directory = failing("scenario_junit");
     let output = chartwright(directory.path(), "test wrong.chart --junit report.xml --format json");
     assert_eq!(code(&output), 1);
-    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("one JSON document");
+    let report: serde_json::Value = serde_json::from_str(stdout(&output)).expect("one JSON document");
     assert_eq!((&report["passed"], &report["failed"]), (&4.into(), &2.into()), "{report}");
     let failed = report["tests"].as_array().unwrap().iter().find(|t| !t["failure"].is_null()).unwrap();
     assert_eq!(failed["failure"]["step"], "wait until Ahead within 100ms");

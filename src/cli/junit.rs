@@ -46,7 +46,7 @@ fn case(w: &mut Writer<Vec<u8>>, test: &Test, suite: &str) -> std::io::Result<()
     let time = time(test.milliseconds);
     let element = w
         .create_element("testcase")
-        .with_attribute(("name", test.scenario.as_str()))
+        .with_attribute(("name", clean(&test.scenario).as_str()))
         .with_attribute(("classname", suite))
         .with_attribute(("file", test.file.as_str()))
         .with_attribute(("time", time.as_str()));
@@ -54,12 +54,12 @@ fn case(w: &mut Writer<Vec<u8>>, test: &Test, suite: &str) -> std::io::Result<()
         element.write_empty()?;
         return Ok(());
     };
-    let message = format!("line {}: {}: {}", failure.line, failure.step, failure.message);
+    let message = clean(&format!("line {}: {}: {}", failure.line, failure.step, failure.message));
     element.write_inner_content(|w| {
         w.create_element("failure")
             .with_attribute(("message", message.as_str()))
             .with_attribute(("type", "expectation"))
-            .write_inner_content(|w| w.write_event(Event::Text(BytesText::new(&failure.human()))))?;
+            .write_inner_content(|w| w.write_event(Event::Text(BytesText::new(&clean(&failure.human())))))?;
         Ok(())
     })?;
     Ok(())
@@ -67,4 +67,9 @@ fn case(w: &mut Writer<Vec<u8>>, test: &Test, suite: &str) -> std::io::Result<()
 
 fn time(milliseconds: u64) -> String {
     format!("{}.{:03}", milliseconds / 1000, milliseconds % 1000)
+}
+
+/// Without control characters, which XML cannot hold at all.
+fn clean(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect()
 }

@@ -36,7 +36,11 @@ pub fn run(args: &Args) -> Outcome {
     let program = programs.swap_remove(at).1;
     let (recording, outcome) = if let Some(name) = &args.scenario {
         let Some(index) = machine.scenarios.iter().position(|s| s.name == *name) else {
-            let names: String = machine.scenarios.iter().map(|s| format!("  {}\n", s.name)).collect();
+            let names: String = machine
+                .scenarios
+                .iter()
+                .map(|s| format!("  {}\n", annotate_snippets::normalize_untrusted_str(&s.name)))
+                .collect();
             let name = annotate_snippets::normalize_untrusted_str(name);
             say(&format!("error: there is no scenario `{name}`; there are\n{names}"));
             return Outcome::Wrong;

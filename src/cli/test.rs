@@ -10,6 +10,7 @@ use crate::pipeline;
 use crate::simulate::record::{Recording, seconds};
 use crate::simulate::run::milliseconds;
 use crate::simulate::scenario::{self, Expectation, Failure};
+use annotate_snippets::normalize_untrusted_str;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -175,7 +176,8 @@ fn failed(machine: &Machine, source: &str, failure: &Failure, recording: &Record
 
 fn line(test: &Test) -> String {
     let word = if test.failure.is_some() { "FAILED" } else { "ok    " };
-    let (name, program, time) = (&test.scenario, test.program, seconds(test.milliseconds));
+    let (name, program) = (normalize_untrusted_str(&test.scenario), test.program);
+    let time = seconds(test.milliseconds);
     format!("  {word}  {name} ({program}, {} scans, {time})\n", test.scans)
 }
 
@@ -184,9 +186,10 @@ fn summary(tests: &[Test], passed: usize, failed: usize) -> String {
     for test in tests {
         let Some(failure) = &test.failure else { continue };
         let (file, line, column) = (&test.file, failure.line, failure.column);
-        let _ = writeln!(text, "\n{file}:{line}:{column}: {} ({})", test.scenario, test.program);
+        let name = normalize_untrusted_str(&test.scenario);
+        let _ = writeln!(text, "\n{file}:{line}:{column}: {name} ({})", test.program);
         for line in failure.human().lines() {
-            let _ = writeln!(text, "{}", format!("  {line}").trim_end());
+            let _ = writeln!(text, "{}", format!("  {}", normalize_untrusted_str(line)).trim_end());
         }
     }
     if tests.is_empty() {

@@ -165,7 +165,8 @@ fn length(steps: &[Step]) -> u64 {
             // A press lets a scan run before it if it has to.
             Doing::Press(_, n) => u64::from(*n) + 1,
             Doing::Wait(n) | Doing::Until(_, n) => u64::from(*n),
-            Doing::Repeat(n, inner) => length(inner).saturating_mul(u64::from(*n)),
+            // What takes no scan takes time all the same when it is repeated.
+            Doing::Repeat(n, inner) => length(inner).max(1).saturating_mul(u64::from(*n)),
             Doing::Set(..)
             | Doing::Force(..)
             | Doing::Release(..)

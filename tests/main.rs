@@ -10,6 +10,7 @@ mod layout;
 mod licences;
 mod mutants;
 mod random_models;
+mod regressions;
 mod snapshots;
 mod stability;
 mod support;

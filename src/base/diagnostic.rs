@@ -209,6 +209,9 @@ codes! {
     BrokenText "E605" "a text in a PLC language has a wrong form or type",
     Clash "E606" "two things in the PLC project have one name, number or address",
 
+    Different "E801" "a program does not do what its chart says",
+    Undecided "E802" "a program cannot be compared with a chart",
+
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",
     CyclicReliefs "W503" "reliefs of combined constraints form a cycle",

@@ -4,6 +4,7 @@ mod args;
 mod build;
 mod explain;
 mod files;
+mod prove;
 mod report;
 mod stats;
 mod time;
@@ -61,6 +62,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
+            Command::Prove(args) => prove::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

@@ -20,8 +20,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "stats"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
+    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

@@ -11,6 +11,7 @@ mod licences;
 mod mutants;
 mod random_models;
 mod regressions;
+mod scenarios;
 mod snapshots;
 mod stability;
 mod support;

@@ -5,8 +5,12 @@ mod build;
 mod explain;
 mod files;
 mod prove;
+mod junit;
 mod report;
+mod session;
+mod simulate;
 mod stats;
+mod test;
 mod time;
 
 use crate::pipeline;
@@ -63,6 +67,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Test(args) => test::run(&args),
+            Command::Simulate(args) => simulate::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

@@ -8,6 +8,7 @@
 
 mod build;
 mod scan;
+mod scenarios;
 mod syntax_error;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
@@ -87,6 +88,8 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,
         Rule::bad_constraint => Rule::lone_constraint,
+        Rule::bad_plant_item => Rule::lone_plant_item,
+        Rule::bad_step => Rule::lone_step,
         other => unreachable!("{other:?} is no recovery rule"),
     };
     let error = Grammar::parse(strict, slice.as_str()).err()?;

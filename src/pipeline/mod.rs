@@ -5,6 +5,8 @@ use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::prove::{self, Verdict};
+use crate::ir::scenario::{Condition, Doing};
+use crate::simulate::run::Program;
 use crate::{check, lower, parse, read, resolve};
 
 pub use crate::emit::Dialect;
@@ -27,6 +29,28 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
 /// A machine without errors to its PLC project.
 pub fn lower(machine: &Machine) -> Project {
     lower::lower(machine)
+}
+
+/// What a machine without errors runs as, each with its name: the chart itself, and the PLC program that is
+/// read back from its XML.
+pub fn programs(machine: &Machine) -> Vec<(&'static str, Program)> {
+    let project = lower(machine);
+    let xml = emit::plcopen(&project, Dialect::Beremiz, &Header::default());
+    let (read, diagnostics) = read::read(&xml);
+    let read = read.unwrap_or_else(|| panic!("what is written can be read back: {diagnostics:?}"));
+    vec![("chart", Program::chart(machine)), ("plc", Program::plc(machine, &project, &read))]
+}
+
+/// A condition over the machine that `source` describes, as its scenarios write it. The places of the
+/// diagnostics mean nothing.
+pub fn condition(source: &str, text: &str) -> Result<Condition, Diagnostics> {
+    // The scenario that holds it comes last and changes no id of what is there.
+    let (machine, diagnostics) = check(&format!("{source}\nscenario \"\" {{ wait until {text}\nwithin 1 scan }}"));
+    let step = machine.and_then(|mut m| m.scenarios.pop()).and_then(|mut s| s.steps.pop());
+    match step.map(|s| s.doing) {
+        Some(Doing::Until(condition, _)) => Ok(condition),
+        _ => Err(diagnostics),
+    }
 }
 
 /// What [`build`] is told.

@@ -29,14 +29,12 @@
 mod code;
 mod filter;
 mod steps;
-mod times;
 
 use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, TransitionId, VariableId};
-use code::{Code, Condition, HALF, Layout, append, part};
+use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
 use std::ops::Range;
 use steps::{Configuration, Steps};
-use times::Times;
 
 /// A machine that runs.
 #[derive(Clone, Debug)]
@@ -59,15 +57,13 @@ pub struct Chart {
     actions: Vec<Action>,
     assumptions: Vec<Condition>,
 
-    words: Vec<u64>,
+    memory: Memory,
     configuration: Configuration,
     /// For each word of variables, what actions are about to set and to reset.
     writes: Vec<(u64, u64)>,
     commands: Vec<u32>,
     filter: Filter,
     broken: Vec<bool>,
-    times: Times,
-    scans: u64,
 }
 
 /// What a state does while it is active.
@@ -93,7 +89,7 @@ impl Chart {
     /// [`pipeline::check`](crate::pipeline::check) found no error in.
     pub fn new(machine: &Machine) -> Chart {
         let layout = Layout::of(machine);
-        let mut code = Code::new(machine, layout);
+        let mut code = Code::new(layout, machine.cycle);
         let steps = Steps::of(machine, layout, &mut code);
         let filter = Filter::of(machine, layout, &code);
         let assumptions: Vec<Condition> =
@@ -118,13 +114,11 @@ impl Chart {
             actions: Vec::new(),
             broken: vec![false; assumptions.len()],
             assumptions,
-            words,
+            memory: Memory { words, scan: 0, entered: vec![0; machine.states.len()] },
             configuration: Configuration::of(machine),
-            writes: vec![(0, 0); layout.times - layout.variables],
-            times: Times::of(machine, layout),
+            writes: vec![(0, 0); layout.states - layout.variables],
             commands: vec![0; layout.variables - layout.outputs],
             filter,
-            scans: 0,
             code,
         };
         chart.tabulate(machine);
@@ -172,42 +166,39 @@ impl Chart {
         }
     }
 
-    /// Runs one scan with these inputs, in order of declaration.
+    /// Runs one scan with these inputs, in order of declaration. From scan to scan the machine's cycle
+    /// time goes by.
     ///
     /// # Panics
     ///
     /// If there are more or fewer inputs than the machine has.
     pub fn scan(&mut self, inputs: &[bool]) {
+        self.memory.scan += 1;
         self.sample(inputs);
-        if self.scans == 0 {
-            self.steps.begin(self.layout, &mut self.words, &mut self.configuration);
+        if self.memory.scan == 1 {
+            self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
         } else {
-            self.times.count(self.scans, &mut self.words);
-            self.steps.step(&self.code, &mut self.words, &mut self.configuration);
-            if !self.times.is_empty() {
-                self.steps.entered(&self.configuration).for_each(|state| self.times.start(state));
-            }
+            self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }
         self.act();
         self.drive();
-        self.filter.decide(&mut self.words, &self.commands);
+        self.filter.decide(&mut self.memory.words, &self.commands);
         for (broken, never) in self.broken.iter_mut().zip(&self.assumptions) {
-            *broken = self.code.holds(*never, &self.words);
+            *broken = self.code.holds(*never, &self.memory);
         }
-        self.scans += 1;
     }
 
     /// Takes the inputs in; what was now becomes what was before.
     fn sample(&mut self, inputs: &[bool]) {
-        let first = self.scans == 0;
+        let first = self.memory.scan == 1;
         let words = self.layout.outputs;
         assert_eq!(inputs.len(), self.inputs, "a scan takes as many inputs as the machine has");
-        for (word, values) in self.words[..words].iter_mut().zip(inputs.chunks(HALF)) {
+        for (word, values) in self.memory.words[..words].iter_mut().zip(inputs.chunks(HALF)) {
             let now = values.iter().rev().fold(0, |bits, &value| bits << 1 | u64::from(value));
             let before = if first { now } else { *word };
             *word = now | before << HALF;
         }
-        for word in &mut self.words[words..self.layout.variables] {
+        for word in &mut self.memory.words[words..self.layout.variables] {
             *word <<= HALF;
         }
     }
@@ -220,10 +211,10 @@ impl Chart {
         }
         self.writes.fill((0, 0));
         for (i, &acting) in self.acting.iter().enumerate() {
-            for state in bits(self.words[self.layout.states + i] & acting, i) {
+            for state in bits(self.memory.words[self.layout.states + i] & acting, i) {
                 let doing = &self.doings[self.place[state] as usize];
                 for action in part(&self.actions, &doing.actions) {
-                    if self.code.holds(action.condition, &self.words) {
+                    if self.code.holds(action.condition, &self.memory) {
                         let (set, reset) = &mut self.writes[action.word as usize];
                         *(if action.value { set } else { reset }) |= action.bit;
                     }
@@ -231,7 +222,7 @@ impl Chart {
             }
         }
         for (i, &(set, reset)) in self.writes.iter().enumerate() {
-            let word = &mut self.words[self.layout.variables + i];
+            let word = &mut self.memory.words[self.layout.variables + i];
             *word = (*word | set) & !reset;
         }
     }
@@ -240,13 +231,13 @@ impl Chart {
     fn drive(&mut self) {
         self.commands.fill(0);
         for (i, &driving) in self.driving.iter().enumerate() {
-            for state in bits(self.words[self.layout.states + i] & driving, i) {
+            for state in bits(self.memory.words[self.layout.states + i] & driving, i) {
                 let doing = &self.doings[self.place[state] as usize];
                 for &(word, bit) in part(&self.always, &doing.always) {
                     self.commands[word as usize] |= bit;
                 }
                 for &(condition, word, bit) in part(&self.sometimes, &doing.sometimes) {
-                    if self.code.holds(condition, &self.words) {
+                    if self.code.holds(condition, &self.memory) {
                         self.commands[word as usize] |= bit;
                     }
                 }
@@ -256,18 +247,18 @@ impl Chart {
 
     /// How many scans have run.
     pub fn scans(&self) -> u64 {
-        self.scans
+        self.memory.scan
     }
 
     /// Whether the state is active.
     pub fn is_active(&self, state: StateId) -> bool {
         let (word, bit) = self.layout.state(state);
-        self.words[word] & bit != 0
+        self.memory.words[word] & bit != 0
     }
 
     /// The active states, in order of declaration.
     pub fn active(&self) -> impl Iterator<Item = StateId> + '_ {
-        let words = self.words[self.layout.states..].iter().enumerate();
+        let words = self.memory.words[self.layout.states..].iter().enumerate();
         words.flat_map(|(i, &word)| bits(word, i)).map(StateId::from_index)
     }
 
@@ -278,13 +269,13 @@ impl Chart {
 
     /// The input's value in the last scan.
     pub fn input(&self, input: InputId) -> bool {
-        self.words[input.index() / HALF] >> (input.index() % HALF) & 1 == 1
+        self.memory.words[input.index() / HALF] >> (input.index() % HALF) & 1 == 1
     }
 
     /// The variable's value after the last scan.
     pub fn variable(&self, variable: VariableId) -> bool {
         let (word, bit) = self.layout.variable(variable);
-        self.words[word] & bit != 0
+        self.memory.words[word] & bit != 0
     }
 
     /// What the chart wanted of the output in the last scan.
@@ -296,7 +287,7 @@ impl Chart {
     /// What the filter let through in the last scan.
     pub fn output(&self, output: OutputId) -> bool {
         let (word, bit) = place(output);
-        self.words[self.layout.outputs + word as usize] & u64::from(bit) != 0
+        self.memory.words[self.layout.outputs + word as usize] & u64::from(bit) != 0
     }
 
     /// Whether the constraint had to act in the last scan: what was commanded, or what other

@@ -8,5 +8,6 @@ pub mod plc;
 pub mod random;
 pub mod read;
 pub mod rng;
+pub mod runs;
 pub mod schema;
 pub mod shrink;

@@ -149,7 +149,8 @@ impl Model {
     fn declarations(&mut self) -> Vec<Item> {
         let at = |area: char, i: usize| format!(" at %{area}X{}.{}", i / 8, i % 8);
         let address = |yes: bool, area: char, i: usize| if yes { at(area, i) } else { String::new() };
-        let mut items = vec![Item::line("machine Chance"), Item::line("cycle 10ms")];
+        let mut items =
+            vec![Item::line("machine Chance"), Item::line(format!("cycle {}ms", self.rng.pick(&[1, 7, 10, 10, 20])))];
         let yes = self.addresses;
         items.push(Item::block(
             "inputs",

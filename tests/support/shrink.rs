@@ -6,8 +6,8 @@
 
 use super::items::{self, Item};
 
-/// Takes away what `fails` does not need, until nothing more can go. `fails` gets the text of a model.
-pub fn shrink(model: &[Item], mut fails: impl FnMut(&str) -> bool) -> Vec<Item> {
+/// Takes away what `fails` does not need, until nothing more can go. `fails` gets a model.
+pub fn shrink(model: &[Item], mut fails: impl FnMut(&[Item]) -> bool) -> Vec<Item> {
     let mut best = model.to_vec();
     loop {
         let before = best.clone();
@@ -16,9 +16,7 @@ pub fn shrink(model: &[Item], mut fails: impl FnMut(&str) -> bool) -> Vec<Item> 
             let mut next = 0;
             loop {
                 let proposals = propose(&best);
-                let Some(found) = proposals.iter().skip(next).position(|p| *p != best && fails(&items::text(p))) else {
-                    break;
-                };
+                let Some(found) = proposals.iter().skip(next).position(|p| **p != best[..] && fails(p)) else { break };
                 next += found;
                 best = proposals.into_iter().nth(next).expect("it was there");
             }
@@ -179,6 +177,6 @@ fn what_a_fault_does_not_need_goes() {
             ],
         ),
     ];
-    let small = shrink(&model, |text| text.contains("to S3") && text.contains("In2"));
+    let small = shrink(&model, |items| items::text(items).contains("to S3") && items::text(items).contains("In2"));
     assert_eq!(items::text(&small), "from S1 to S3 when In2\n");
 }

@@ -7,7 +7,6 @@
 //! | inputs | 32 inputs | low half: this scan; high half: the scan before |
 //! | outputs | 32 outputs | low half: this scan; high half: the scan before |
 //! | variables | 64 variables | |
-//! | times | 64 times of `after` | 1 when the time has passed |
 //! | states | 64 states | 1 while active |
 //!
 //! Now and before stand in one word so that an edge is one comparison. A conjunction of literals of one
@@ -15,7 +14,9 @@
 //! with a [`Op::Not`] behind it. What is no such thing is a sequence in postfix order over a stack of
 //! bits that is itself one word.
 //!
-//! [`Atom::Done`] is gone: it is spelt out in final states.
+//! [`Atom::Done`] is gone: it is spelt out in final states. [`Atom::After`] is no bit but an instruction
+//! of its own, because it would have to be brought up to date for every state in every scan: for each
+//! state, the scan that entered it last is kept, which tells all that is asked.
 
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, VariableId};
 use crate::ir::expr::Expr;
@@ -28,8 +29,6 @@ pub struct Layout {
     pub outputs: usize,
     /// The first word of variables.
     pub variables: usize,
-    /// The first word of times.
-    pub times: usize,
     /// The first word of states.
     pub states: usize,
     /// How many words there are.
@@ -44,9 +43,8 @@ impl Layout {
     pub fn of(machine: &Machine) -> Layout {
         let outputs = machine.inputs.len().div_ceil(HALF);
         let variables = outputs + machine.outputs.len().div_ceil(HALF);
-        let times = variables + machine.variables.len().div_ceil(64);
-        let states = times + times_of(machine).len().div_ceil(64);
-        Layout { outputs, variables, times, states, words: states + machine.states.len().div_ceil(64) }
+        let states = variables + machine.variables.len().div_ceil(64);
+        Layout { outputs, variables, states, words: states + machine.states.len().div_ceil(64) }
     }
 
     /// The word of a state and its bit there.
@@ -59,11 +57,6 @@ impl Layout {
         (self.variables + variable.index() / 64, 1 << (variable.index() % 64))
     }
 
-    /// The word of the time of that index and its bit there.
-    pub fn time(&self, index: usize) -> (usize, u64) {
-        (self.times + index / 64, 1 << (index % 64))
-    }
-
     /// The word of an atom and its bit there.
     fn bit(&self, atom: Atom) -> (usize, u64) {
         let half = |first: usize, i: usize, before: usize| (first + i / HALF, 1 << (i % HALF + before));
@@ -74,32 +67,32 @@ impl Layout {
             Atom::PrevOutput(o) => half(self.outputs, o.index(), HALF),
             Atom::Variable(v) => self.variable(v),
             Atom::In(s) => self.state(s),
-            Atom::After(..) => unreachable!("the bits of times are listed beside the layout"),
-            Atom::Done(_) => unreachable!("`done` has been spelt out"),
+            Atom::Done(_) | Atom::After(..) => unreachable!("`done` is spelt out, `after` is no bit"),
         }
     }
 }
 
-/// The states and milliseconds that guards of `machine` wait for, sorted, each once.
-pub fn times_of(machine: &Machine) -> Vec<(StateId, u32)> {
-    let mut times = Vec::new();
-    for t in machine.transitions.values() {
-        t.guard.for_each_atom(&mut |&atom| {
-            if let Atom::After(state, ms) = atom {
-                times.push((state, ms));
-            }
-        });
-    }
-    times.sort_unstable();
-    times.dedup();
-    times
+/// All that a guard can read.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// The row of words.
+    pub words: Vec<u64>,
+    /// The number of this scan, counted from 1.
+    pub scan: u64,
+    /// For each state, the number of the scan that entered it last.
+    pub entered: Vec<u64>,
 }
 
-/// One instruction. `Test` puts a bit on the stack, the others replace one or two.
+/// One instruction. `Test` and `Waited` put a bit on the stack, the others replace one or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Op {
-    /// Whether the word has, under the mask, exactly the wanted bits.
     Test(Test),
+    /// Whether that many scans have begun in the state after the first one that did, if it has been
+    /// active all the while.
+    Waited {
+        state: u32,
+        scans: u32,
+    },
     Not,
     And,
     Or,
@@ -143,26 +136,15 @@ impl Condition {
 #[derive(Clone, Debug)]
 pub struct Code {
     layout: Layout,
-    /// The states and milliseconds that guards wait for, sorted, in the order of their bits.
-    times: Vec<(StateId, u32)>,
+    /// Milliseconds from scan to scan.
+    cycle: u32,
     ops: Vec<Op>,
 }
 
 impl Code {
     /// No instructions yet.
-    pub fn new(machine: &Machine, layout: Layout) -> Code {
-        Code { layout, times: times_of(machine), ops: Vec::new() }
-    }
-
-    /// The word of an atom and its bit there.
-    fn bit(&self, atom: Atom) -> (usize, u64) {
-        match atom {
-            Atom::After(state, ms) => {
-                let at = self.times.binary_search(&(state, ms)).expect("all times are listed");
-                self.layout.time(at)
-            }
-            other => self.layout.bit(other),
-        }
+    pub fn new(layout: Layout, cycle: u32) -> Code {
+        Code { layout, cycle, ops: Vec::new() }
     }
 
     /// Translates a guard.
@@ -170,6 +152,7 @@ impl Code {
         let from = self.ops.len() as u32;
         let spelt_out = guard.map(&mut |&atom| match atom {
             Atom::Done(state) => done(machine, state),
+            Atom::After(state, _) => Expr::And(vec![Expr::Atom(Atom::In(state)), Expr::Atom(atom)]),
             other => Expr::Atom(other),
         });
         if spelt_out != Expr::TRUE {
@@ -182,7 +165,7 @@ impl Code {
     pub fn tests(&self, literals: impl Iterator<Item = (Atom, bool)>) -> Vec<Test> {
         let mut tests: Vec<Test> = Vec::new();
         for (atom, negated) in literals {
-            let (word, bit) = self.bit(atom);
+            let (word, bit) = self.layout.bit(atom);
             let want = if negated { 0 } else { bit };
             match tests.iter_mut().find(|t| t.word as usize == word) {
                 Some(t) if t.mask & bit != 0 && t.want & bit != want => return vec![Test::constant(false)],
@@ -197,12 +180,16 @@ impl Code {
     }
 
     /// Whether the condition holds.
-    pub fn holds(&self, condition: Condition, words: &[u64]) -> bool {
+    pub fn holds(&self, condition: Condition, memory: &Memory) -> bool {
         // The bit below all others stays TRUE: it is what no instructions amount to.
         let mut stack = 1u64;
         for op in &self.ops[condition.from as usize..condition.to as usize] {
             match op {
-                Op::Test(test) => stack = stack << 1 | u64::from(test.holds(words)),
+                Op::Test(test) => stack = stack << 1 | u64::from(test.holds(&memory.words)),
+                Op::Waited { state, scans } => {
+                    let waited = memory.scan > memory.entered[*state as usize] + u64::from(*scans);
+                    stack = stack << 1 | u64::from(waited);
+                }
                 Op::Not => stack ^= 1,
                 Op::And => stack = stack >> 1 & (stack | !1),
                 Op::Or => stack = stack >> 1 | stack & 1,
@@ -215,6 +202,9 @@ impl Code {
     fn compile(&self, guard: &Guard) -> Piece {
         match guard {
             Expr::Const(value) => Piece::test(Test::constant(*value)),
+            Expr::Atom(Atom::After(state, time)) => {
+                Piece::leaf(Op::Waited { state: state.index() as u32, scans: time.div_ceil(self.cycle) })
+            }
             Expr::Atom(_) => self.join(std::slice::from_ref(guard), false),
             Expr::Not(e) => self.compile(e).not(),
             Expr::And(es) => self.join(es, false),
@@ -229,13 +219,9 @@ impl Code {
         let mut pieces = Vec::new();
         let mut literals = Vec::new();
         for e in operands {
-            match e {
-                Expr::Atom(atom) => literals.push((*atom, disjunction)),
-                Expr::Not(inner) => match &**inner {
-                    Expr::Atom(atom) => literals.push((*atom, !disjunction)),
-                    _ => pieces.push(self.compile(e)),
-                },
-                Expr::Const(_) | Expr::And(_) | Expr::Or(_) | Expr::Xor(..) => pieces.push(self.compile(e)),
+            match literal(e) {
+                Some((atom, negated)) => literals.push((atom, negated != disjunction)),
+                None => pieces.push(self.compile(e)),
             }
         }
         let tests = self.tests(literals.into_iter()).into_iter().map(Piece::test);
@@ -259,8 +245,12 @@ struct Piece {
 }
 
 impl Piece {
+    fn leaf(op: Op) -> Piece {
+        Piece { ops: vec![op], depth: 1 }
+    }
+
     fn test(test: Test) -> Piece {
-        Piece { ops: vec![Op::Test(test)], depth: 1 }
+        Piece::leaf(Op::Test(test))
     }
 
     fn not(mut self) -> Piece {
@@ -285,6 +275,16 @@ impl Piece {
         }
         debug_assert!(all.depth < 64);
         all
+    }
+}
+
+/// The atom and whether it stands negated, if the expression is a literal over one bit.
+fn literal(e: &Guard) -> Option<(Atom, bool)> {
+    match e {
+        Expr::Atom(Atom::After(..)) => None,
+        Expr::Atom(atom) => Some((*atom, false)),
+        Expr::Not(inner) => literal(inner).map(|(atom, negated)| (atom, !negated)),
+        Expr::Const(_) | Expr::And(_) | Expr::Or(_) | Expr::Xor(..) => None,
     }
 }
 
@@ -345,14 +345,15 @@ mod tests {
     proptest! {
         #[test]
         fn code_means_what_the_guard_means(guard in guards(), words in prop::collection::vec(any::<u64>(), 6)) {
-            let layout = Layout { outputs: 2, variables: 4, times: 5, states: 5, words: 6 };
-            let mut code = Code::new(&Machine::default(), layout);
+            let layout = Layout { outputs: 2, variables: 4, states: 5, words: 6 };
+            let mut code = Code::new(layout, 10);
             let condition = code.add(&Machine::default(), &guard);
             let value = |atom: &Atom| {
                 let (word, bit) = layout.bit(*atom);
                 words[word] & bit != 0
             };
-            prop_assert_eq!(code.holds(condition, &words), guard.eval(&mut |a| value(a)));
+            let memory = Memory { words: words.clone(), scan: 1, entered: Vec::new() };
+            prop_assert_eq!(code.holds(condition, &memory), guard.eval(&mut |a| value(a)));
         }
     }
 
@@ -360,8 +361,7 @@ mod tests {
     fn a_conjunction_over_one_word_is_one_instruction() {
         let input = |i| Expr::Atom(Atom::Input(InputId::from_index(i)));
         let before = |i| Expr::Atom(Atom::PrevInput(InputId::from_index(i)));
-        let mut code =
-            Code::new(&Machine::default(), Layout { outputs: 1, variables: 1, times: 1, states: 1, words: 1 });
+        let mut code = Code::new(Layout { outputs: 1, variables: 1, states: 1, words: 1 }, 10);
         code.add(&Machine::default(), &Expr::all([input(0), before(0).not(), input(3), input(4).not()]));
         assert_eq!(code.ops.len(), 1);
     }

@@ -11,7 +11,7 @@
 //! guards read states and variables from before the step without a copy of them. Nothing is lost by
 //! it: of two transitions that fire in one scan, neither leaves or enters what the other does.
 
-use super::code::{Code, Condition, Layout, append, part};
+use super::code::{Code, Condition, Layout, Memory, append, part};
 use crate::ir::chart::{Atom, Machine, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
@@ -150,16 +150,17 @@ impl Steps {
     }
 
     /// Enters the initial states.
-    pub fn begin(&self, layout: Layout, words: &mut [u64], configuration: &mut Configuration) {
+    pub fn begin(&self, layout: Layout, memory: &mut Memory, configuration: &mut Configuration) {
         for &(region, state) in &self.initial {
             configuration.active[region.index()] = state;
+            memory.entered[state.index()] = memory.scan;
             let (word, bit) = layout.state(state);
-            words[word] |= bit;
+            memory.words[word] |= bit;
         }
     }
 
     /// Each chart takes one step, effects on variables included.
-    pub fn step(&self, code: &Code, words: &mut [u64], configuration: &mut Configuration) {
+    pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
         let Configuration { active, fired, firing, open } = configuration;
         fired.clear();
         firing.clear();
@@ -167,7 +168,7 @@ impl Steps {
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
-            match part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, words)) {
+            match part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, memory)) {
                 Some(at) => firing.push(candidates.start + at as u32),
                 None => open.extend_from_slice(part(&self.regions, &self.inside[state])),
             }
@@ -175,20 +176,15 @@ impl Steps {
         for &at in firing.iter() {
             let step = &self.steps[at as usize];
             for change in part(&self.changes, &step.changes) {
-                let word = &mut words[change.word as usize];
+                let word = &mut memory.words[change.word as usize];
                 *word = *word & !change.clear | change.set;
             }
             for &(region, state) in part(&self.enters, &step.enters) {
                 active[region.index()] = state;
+                memory.entered[state.index()] = memory.scan;
             }
             fired.push(step.id);
         }
-    }
-
-    /// The states that the transitions that fired in this scan have entered.
-    pub fn entered<'a>(&'a self, configuration: &'a Configuration) -> impl Iterator<Item = StateId> + 'a {
-        let fired = configuration.firing.iter().map(|&at| &self.steps[at as usize]);
-        fired.flat_map(|step| part(&self.enters, &step.enters)).map(|&(_, state)| state)
     }
 }
 

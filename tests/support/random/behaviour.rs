@@ -92,7 +92,7 @@ impl Model {
             (usual, String::new())
         };
         let (priority, effects) = (self.priority(), self.effects(region));
-        let guard = self.guard(2);
+        let guard = self.timed(2);
         self.states[source].ways_out += 1;
         self.put(region, format!("move from {from} to {to}{renamed}{priority} when {guard}{effects}"));
         let state = self.states.len();
@@ -118,22 +118,14 @@ impl Model {
             // What would leave a composite state all the time would keep what is inside from moving.
             _ if !self.states[source].regions.is_empty() && self.rng.chance(70) => {
                 let edge = *self.rng.pick(&["rise", "fall"]);
-                format!(" when {edge}(In{}) and {}", self.rng.below(self.inputs), self.guard(1))
+                format!(" when {edge}(In{}) and {}", self.rng.below(self.inputs), self.timed(1))
             }
-            7..=14 => format!(" when {}", self.elapsed()),
-            15..=22 => format!(" when {} {} {}", self.elapsed(), self.rng.pick(&["and", "or"]), self.guard(1)),
-            _ => format!(" when {}", self.guard(2)),
+            _ => format!(" when {}", self.timed(2)),
         };
         let (priority, effects) = (self.priority(), self.effects(scope));
         self.states[source].ways_out += 1;
         let (from, to) = (&self.states[source].name, &self.states[target].name);
         self.put(region, format!("from {from} to {to}{priority}{guard}{effects}"));
-    }
-
-    /// A time that passes within a few scans, not always a whole number of them.
-    fn elapsed(&mut self) -> String {
-        let not = if self.rng.chance(20) { "not " } else { "" };
-        format!("{not}after {}ms", self.rng.between(1, 60))
     }
 
     fn when_done(&mut self, source: usize) {
@@ -194,7 +186,7 @@ impl Model {
         if bistable && self.states[target].region == region && !self.rng.chance(10) {
             return;
         }
-        let (priority, guard, effects) = (self.priority(), self.guard(1), self.effects(scope));
+        let (priority, guard, effects) = (self.priority(), self.timed(1), self.effects(scope));
         let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
         let to = &self.states[target].name;
         self.put(region, format!("from any to {to}{priority} when {edge} and {guard}{effects}"));
@@ -259,6 +251,19 @@ impl Model {
             // Driving both coils would be wrong; one of them may be.
             Technology::Bistable => a.outputs[actuator % 2],
             Technology::Monostable | Technology::OnOff => a.outputs[1],
+        }
+    }
+
+    /// The guard of a transition, which may wait for some time.
+    fn timed(&mut self, depth: usize) -> String {
+        let (guard, time) = (self.guard(depth), self.rng.between(1, 80));
+        match self.rng.below(100) {
+            0..=3 => format!("after {time}ms"),
+            4..=9 => format!("(after {time}ms and {guard})"),
+            10..=13 => format!("(after {time}ms or {guard})"),
+            14 => format!("({guard} and not after {time}ms)"),
+            15 => format!("({guard} or in({}) xor after {time}ms)", self.states[0].name),
+            _ => guard,
         }
     }
 

@@ -1,0 +1,83 @@
+//! How many scans the simulators run in a second: INDEXA through the scripted cycle of its test, and
+//! with inputs by chance.
+//!
+//! `cargo bench --bench simulate`.
+
+use chartwright::ir::chart::Machine;
+use chartwright::pipeline;
+use chartwright::simulate::chart::Chart;
+use divan::{Bencher, counter::ItemsCount};
+
+/// How many scans are run and counted together.
+const SCANS: usize = 10_000;
+
+fn main() {
+    divan::main();
+}
+
+fn repository(path: &str) -> String {
+    let path = format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).expect("the file is in the repository")
+}
+
+fn indexa() -> Machine {
+    pipeline::check(&repository("models/indexa.chart")).0.expect("INDEXA has no errors")
+}
+
+/// The script's inputs scan by scan: a value holds from its scan on, an empty cell changes nothing.
+fn scripted(machine: &Machine) -> Vec<Vec<bool>> {
+    let script = repository("tests/fixtures/indexa_cycle.inputs.csv");
+    let mut lines = script.lines().filter(|l| !l.starts_with('#'));
+    let head: Vec<&str> = lines.next().expect("there is a head").split(',').collect();
+    let place = |name: &str| machine.inputs.values().position(|i| i.name == name);
+    let places: Vec<Option<usize>> = head.iter().map(|name| place(name)).collect();
+    let mut now = vec![false; machine.inputs.len()];
+    let mut scans = Vec::new();
+    for line in lines {
+        let mut cells = line.split(',');
+        let scan: usize = cells.next().and_then(|n| n.parse().ok()).expect("a scan's number");
+        while scans.len() + 1 < scan {
+            scans.push(now.clone());
+        }
+        for (cell, place) in cells.zip(&places[1..]) {
+            match (cell, place) {
+                ("", _) | (_, None) => {}
+                (value, Some(at)) => now[*at] = value == "1",
+            }
+        }
+        scans.push(now.clone());
+    }
+    scans
+}
+
+fn run(bencher: Bencher, machine: &Machine, inputs: &[Vec<bool>]) {
+    let mut chart = Chart::new(machine);
+    bencher.counter(ItemsCount::new(SCANS)).bench_local(|| {
+        for now in inputs.iter().cycle().take(SCANS) {
+            chart.scan(now);
+        }
+        chart.output(machine.outputs.ids().next().expect("INDEXA has outputs"))
+    });
+}
+
+#[divan::bench]
+fn indexa_cycle(bencher: Bencher) {
+    let machine = indexa();
+    run(bencher, &machine, &scripted(&machine));
+}
+
+#[divan::bench]
+fn indexa_chance(bencher: Bencher) {
+    let machine = indexa();
+    let mut seed = 1u64;
+    let inputs: Vec<Vec<bool>> = (0..1000)
+        .map(|_| {
+            let bit = |_| {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                seed >> 63 == 1
+            };
+            machine.inputs.ids().map(bit).collect()
+        })
+        .collect();
+    run(bencher, &machine, &inputs);
+}

@@ -1,0 +1,203 @@
+//! Runs of one model side by side: what the chart simulator says against itself, against the rules of
+//! its meaning, and against the program that the model is compiled to.
+
+use super::rng::Rng;
+use chartwright::ir::chart::{Atom, ConstraintId, Machine, OutputId, StateId, VariableId};
+use chartwright::ir::iec::VarId;
+use chartwright::ir::plc::Role;
+use chartwright::pipeline::{self, Dialect, Options};
+use chartwright::read::read;
+use chartwright::simulate::chart::Chart;
+use chartwright::simulate::plc::Plc;
+
+/// Inputs that change rarely or often, the same for the same seed.
+pub struct Inputs {
+    rng: Rng,
+    percent: usize,
+    now: Vec<bool>,
+}
+
+impl Inputs {
+    /// The inputs of that seed.
+    pub fn new(machine: &Machine, seed: u64) -> Inputs {
+        let mut rng = Rng::new(seed ^ 0x0069_6e70_7574_7321);
+        let now = machine.inputs.ids().map(|_| rng.chance(50)).collect();
+        Inputs { percent: rng.between(3, 50), rng, now }
+    }
+
+    /// Those of the next scan.
+    pub fn next(&mut self) -> &[bool] {
+        for value in &mut self.now {
+            *value ^= self.rng.chance(self.percent);
+        }
+        &self.now
+    }
+}
+
+/// What is wrong with a run of the chart simulator, if anything is. Invalid models have no run.
+pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
+    let machine = pipeline::check(source).0?;
+    let (mut chart, mut again) = (Chart::new(&machine), Chart::new(&machine));
+    let mut inputs = Inputs::new(&machine, seed);
+    let mut before: Option<Vec<bool>> = None;
+    let mut past = vec![false; machine.outputs.len()];
+    for scan in 1..=scans {
+        let now = inputs.next().to_vec();
+        chart.scan(&now);
+        again.scan(&now);
+        let wrong = |what: String| Some(format!("scan {scan}: {what}"));
+        for (id, region) in machine.regions.iter() {
+            let active = region.states.iter().filter(|&&s| chart.is_active(s)).count();
+            let wanted = usize::from(region.parent.is_none_or(|p| chart.is_active(p)));
+            if active != wanted {
+                return wrong(format!("{active} active states in `{}`, not {wanted}", machine.region_path(id)));
+            }
+        }
+        let value = |atom: &Atom| match *atom {
+            Atom::Input(i) => now[i.index()],
+            Atom::PrevInput(i) => before.as_ref().unwrap_or(&now)[i.index()],
+            Atom::Output(o) => chart.output(o),
+            Atom::PrevOutput(o) => past[o.index()],
+            Atom::Variable(v) => chart.variable(v),
+            Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
+        };
+        let mut assumed = true;
+        for (i, assumption) in machine.safety.assumptions.iter().enumerate() {
+            let broken = assumption.never.eval(&mut |a| value(a));
+            assumed &= !broken;
+            if broken != chart.broken(i) {
+                return wrong(format!("`{}` is broken: {broken}", assumption.name));
+            }
+        }
+        if assumed && chart.filter_failed() {
+            return wrong("the filter found no way".into());
+        }
+        let mut acted = false;
+        for (id, constraint) in machine.safety.constraints.iter() {
+            acted |= chart.acted(id);
+            if constraint.never.eval(&mut |a| value(a)) && !chart.filter_failed() {
+                return wrong(format!("the outputs violate `{}`", constraint.name));
+            }
+        }
+        if !acted && machine.outputs.ids().any(|o| chart.output(o) != chart.command(o)) {
+            return wrong("an output is not as commanded, and nothing has acted".into());
+        }
+        let same = chart.active().eq(again.active())
+            && chart.fired() == again.fired()
+            && machine.variables.ids().all(|v| chart.variable(v) == again.variable(v))
+            && machine
+                .outputs
+                .ids()
+                .all(|o| chart.output(o) == again.output(o) && chart.command(o) == again.command(o));
+        if !same {
+            return wrong("the second run differs".into());
+        }
+        past = machine.outputs.ids().map(|o| chart.output(o)).collect();
+        before = Some(now);
+    }
+    None
+}
+
+/// What a global variable of the program has to equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meaning {
+    State(StateId),
+    Variable(VariableId),
+    Command(OutputId),
+    Output(OutputId),
+    Alarm(ConstraintId),
+    Broken(usize),
+}
+
+impl Meaning {
+    fn of(self, chart: &Chart) -> bool {
+        match self {
+            Meaning::State(s) => chart.is_active(s),
+            Meaning::Variable(v) => chart.variable(v),
+            Meaning::Command(o) => chart.command(o),
+            Meaning::Output(o) => chart.output(o),
+            Meaning::Alarm(c) => chart.acted(c),
+            Meaning::Broken(a) => chart.broken(a),
+        }
+    }
+}
+
+/// Where a run of the machine and one of its program, written as XML and read back, first differ.
+/// Invalid models have no run.
+pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> Option<String> {
+    let options = Options { dialect, created: "1970-01-01T00:00:00".into() };
+    let built = pipeline::build(source, &options).0?;
+    let machine = &built.machine;
+    let (read_back, problems) = read(&built.xml);
+    let Some(program) = read_back else {
+        return Some(format!("the XML cannot be read: {:?}", problems.iter().next().map(|p| &p.message)));
+    };
+    let variable = |name: &str| -> Option<VarId> {
+        program.variables.iter().find(|(_, v)| v.name.eq_ignore_ascii_case(name)).map(|(id, _)| id)
+    };
+
+    let mut meanings: Vec<(String, Meaning)> = Vec::new();
+    for global in built.project.globals.values() {
+        let span = global.origin.span;
+        let meaning = match global.role {
+            // What takes a long rung is computed in parts.
+            _ if global.name.starts_with("Part") => None,
+            Role::Input | Role::Condition | Role::Filter => None,
+            Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
+            Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
+            Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
+            Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
+            Role::Alarm => {
+                find(machine.safety.constraints.iter(), |c| Some(c.span) == span).map(Meaning::Alarm).or_else(|| {
+                    let assumptions = &machine.safety.assumptions;
+                    assumptions.iter().position(|a| Some(a.span) == span).map(Meaning::Broken)
+                })
+            }
+        };
+        meanings.extend(meaning.map(|m| (global.name.clone(), m)));
+    }
+    // Each has to be there, and once.
+    let wanted = (machine.states.ids().map(Meaning::State))
+        .chain(machine.variables.ids().map(Meaning::Variable))
+        .chain(machine.outputs.ids().map(Meaning::Output));
+    for meaning in wanted {
+        let names: Vec<&str> = meanings.iter().filter(|(_, m)| *m == meaning).map(|(n, _)| n.as_str()).collect();
+        if names.len() != 1 {
+            return Some(format!("{meaning:?} of the chart is called {names:?} in the program"));
+        }
+    }
+    let mut watched = Vec::new();
+    for (name, meaning) in meanings {
+        let Some(id) = variable(&name) else { return Some(format!("`{name}` is not in the XML")) };
+        watched.push((name, id, meaning));
+    }
+    // An input that nothing reads may be left out.
+    let inputs: Vec<Option<VarId>> = machine.inputs.values().map(|i| variable(&i.name)).collect();
+
+    let (mut chart, mut plc) = (Chart::new(machine), Plc::new(&program));
+    let mut values = Inputs::new(machine, seed);
+    for scan in 1..=scans {
+        let now = values.next();
+        for (&id, &value) in inputs.iter().zip(now) {
+            if let Some(id) = id {
+                plc.write(id, i64::from(value));
+            }
+        }
+        chart.scan(now);
+        plc.scan(scan as i64 * i64::from(machine.cycle) * 1000);
+        let differ = watched.iter().filter(|(_, id, meaning)| (plc.read(*id) != 0) != meaning.of(&chart));
+        let differ: Vec<String> = differ
+            .map(|(name, _, meaning)| {
+                format!("{name} is {} in the chart", if meaning.of(&chart) { "TRUE" } else { "FALSE" })
+            })
+            .collect();
+        if !differ.is_empty() {
+            return Some(format!("scan {scan}: {}, and not so in the program", differ.join(", ")));
+        }
+    }
+    None
+}
+
+fn find<T, I>(mut items: impl Iterator<Item = (I, T)>, is_it: impl Fn(&T) -> bool) -> Option<I> {
+    items.find(|(_, item)| is_it(item)).map(|(id, _)| id)
+}

@@ -5,6 +5,7 @@
 //! | [`ast`] | the text as a tree | comments, white space |
 //! | [`chart`] | the machine, resolved | names as references, sugar, actuators' technology laws |
 //! | [`plc`], [`sfc`], [`ladder`] | the PLC project | hierarchy, guards over states, constraints |
+//! | [`iec`] | a PLC project of any origin, as it is executed | how it was drawn |
 //! | [`drawing`] | where everything stands on a page | nothing: it points into the project |
 //!
 //! No passes live here, only types, their invariants and their text form.
@@ -13,6 +14,7 @@ pub mod ast;
 pub mod chart;
 pub mod drawing;
 pub mod expr;
+pub mod iec;
 pub mod ladder;
 pub mod outline;
 pub mod plc;

@@ -25,5 +25,6 @@ pub mod layout;
 pub mod lower;
 pub mod parse;
 pub mod pipeline;
+pub mod prove;
 pub mod resolve;
 pub mod stats;

@@ -1,0 +1,103 @@
+//! Every configuration that a chart can be in, and nothing else, as functions of free bits.
+//!
+//! In each region whose parent is active exactly one state is active, in each other none. Instead of
+//! asking a solver to keep to that, the states are decoded from free bits: a region of n states is a
+//! tree with n leaves, each fork of which is decided by one bit, below the literal of its parent. Every
+//! assignment of the bits is a configuration, and every configuration is some assignment.
+//!
+//! That the chart's own step never leaves these configurations is proved like everything else
+//! ([`broken`]).
+
+use super::aig::{Aig, Lit};
+use super::chart_step::ChartState;
+use crate::ir::chart::{Machine, RegionId, StateId};
+
+/// A state of memory about which nothing is known but that its configuration is one.
+pub fn any(aig: &mut Aig, machine: &Machine) -> ChartState {
+    let mut active = vec![Lit::FALSE; machine.states.len()];
+    for (id, region) in machine.regions.iter() {
+        let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
+        let path = machine.region_path(id);
+        let mut bits = Vec::new();
+        decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
+    }
+    ChartState {
+        active,
+        variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
+        inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
+        outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
+    }
+}
+
+fn decode(
+    aig: &mut Aig,
+    states: &[StateId],
+    under: Lit,
+    (depth, bits): (usize, &mut Vec<Lit>),
+    path: &str,
+    active: &mut [Lit],
+) {
+    if let [state] = states {
+        active[state.index()] = under;
+        return;
+    }
+    if depth == bits.len() {
+        bits.push(aig.leaf(format!("{path}#{depth}")));
+    }
+    let (left, right) = states.split_at(states.len() / 2);
+    let (no, yes) = (aig.and(under, !bits[depth]), aig.and(under, bits[depth]));
+    decode(aig, left, no, (depth + 1, bits), path, active);
+    decode(aig, right, yes, (depth + 1, bits), path, active);
+}
+
+/// Whether something is wrong with the region in the configuration `active`: two of its states are
+/// active, or one while its parent is not, or none while its parent is.
+pub fn broken(aig: &mut Aig, machine: &Machine, region: RegionId, active: &[Lit]) -> Lit {
+    let region = &machine.regions[region];
+    let states: Vec<Lit> = region.states.iter().map(|s| active[s.index()]).collect();
+    let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
+    let some = aig.any(&states);
+    let differs = aig.xor(some, parent);
+    let two = aig.two_or_more(&states);
+    aig.or(differs, two)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prove::aig::lanes;
+    use crate::prove::sat::{Answer, Budget, Sat};
+
+    fn machine() -> Machine {
+        let source = "machine M\ncycle 10ms\ninputs { I }\noutputs { O }\nchart C {\n\
+            initial state A { initial state B state C state D from B to C when I from C to D when I }\n\
+            parallel state P { region X { initial state E state F from E to F when I } \
+            region Y { initial state G drives O } }\n\
+            from A to P when I\n}\n";
+        let (machine, diagnostics) = crate::pipeline::check(source);
+        machine.unwrap_or_else(|| panic!("{diagnostics:?}"))
+    }
+
+    #[test]
+    fn all_configurations_and_no_others_are_decoded() {
+        let machine = machine();
+        let mut aig = Aig::new();
+        let state = any(&mut aig, &machine);
+        let wrong: Vec<Lit> =
+            machine.regions.ids().map(|r| broken(&mut aig, &machine, r, &state.active)).collect();
+        let wrong = aig.any(&wrong);
+        let mut sat = Sat::new();
+        assert!(matches!(sat.ask(&aig, &[wrong], Budget::PROOF), Answer::Never));
+        let mut seen = std::collections::BTreeSet::new();
+        let count = aig.leaves().len();
+        assert!(count < 16);
+        for code in 0..1u64 << count {
+            let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
+            let mut values = Vec::new();
+            aig.simulate(&leaves, &mut values);
+            seen.insert(state.active.iter().map(|&l| lanes(&values, l) & 1).collect::<Vec<_>>());
+        }
+        // A with three states inside, or P with two beside one.
+        assert_eq!(seen.len(), 5);
+    }
+}

@@ -1,6 +1,14 @@
 //! The tests that use only the public interface, in one binary.
 
+mod cli;
 mod emit;
+mod explain;
+mod invalid;
+mod layers;
 mod layout;
+mod licences;
+mod mutants;
+mod snapshots;
+mod stability;
 mod support;
 mod text;

@@ -27,7 +27,7 @@ pub fn run(args: &Build) -> Outcome {
     let out = args.out.clone().unwrap_or_else(|| args.file.with_extension("xml"));
     let created = match check_usage(args, &out) {
         Ok(created) => created,
-        Err(message) => return usage(&message),
+        Err(message) => return usage("build", &message),
     };
     let dialect = match args.dialect {
         Dialect::Beremiz => pipeline::Dialect::Beremiz,

@@ -8,7 +8,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// The path that means standard input or output.
+/// The path that means standard output.
 const STANDARD: &str = "-";
 
 /// How a path is shown.

@@ -10,7 +10,8 @@ mod time;
 
 use crate::pipeline;
 use args::{Cli, Command, Format};
-use clap::Parser;
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
 use report::{Counts, FileReport, JsonFile, Report};
 use serde::Serialize;
 use std::ffi::OsString;
@@ -117,10 +118,11 @@ fn say(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Says what is wrong with the command line, in the words of the argument parser.
-fn usage(message: &str) -> Outcome {
-    use clap::CommandFactory;
-    let error = Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message);
-    let _ = error.print();
+/// Says what is wrong with the command line of `command`, in the form of the argument parser.
+fn usage(command: &str, message: &str) -> Outcome {
+    let mut cli = Cli::command();
+    cli.build();
+    let command = cli.find_subcommand_mut(command).expect("the command is one of ours");
+    let _ = command.error(ErrorKind::ArgumentConflict, message).print();
     Outcome::Usage
 }

@@ -1,9 +1,13 @@
 //! Diagnostics to what a person or a program reads.
 
 use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity, Span, limits};
-use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str};
 use serde::Serialize;
 use std::ops::Range;
+
+/// Longest line that is shown, in bytes: the renderer measures every character of a line, for each
+/// diagnostic anew, before it cuts out the part concerned.
+const SHOWN_LINE: usize = 10_000;
 
 /// What a run has to say about one file.
 #[derive(Debug)]
@@ -194,25 +198,51 @@ fn group<'a>(file: &'a FileReport, d: &'a Diagnostic) -> Group<'a> {
         Severity::Warning => Level::WARNING,
     };
     let mut group = Group::with_title(level.primary_title(&d.message).id(d.code.number()));
-    let places: Vec<_> = d.labels.iter().map(|label| within(&file.source, label.span)).collect();
+    let source = &file.source;
+    let places: Vec<_> = d.labels.iter().map(|label| within(source, label.span)).collect();
     let first = places.iter().map(|p| p.start).min();
     let last = places.iter().map(|p| p.end).max();
     if let (Some(first), Some(last)) = (first, last) {
-        let from = file.source[..first].rfind('\n').map_or(0, |i| i + 1);
-        let to = file.source[last..].find('\n').map_or(file.source.len(), |i| last + i);
-        let line = 1 + file.source[..from].matches('\n').count();
-        let annotations = places.iter().zip(&d.labels).enumerate().map(|(i, (place, label))| {
-            let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
-            let annotation = kind.span(place.start - from..place.end - from);
-            if label.text.is_empty() { annotation } else { annotation.label(&label.text) }
-        });
-        let snippet = Snippet::source(&file.source[from..to]).line_start(line).path(&file.file);
-        group = group.element(snippet.annotations(annotations));
+        let from = source[..first].rfind('\n').map_or(0, |i| i + 1);
+        let to = source[last..].find('\n').map_or(source.len(), |i| last + i);
+        if source[from..to].split('\n').any(|line| line.len() > SHOWN_LINE) {
+            group = without_lines(group, file, d, &places);
+        } else {
+            let line = 1 + source[..from].matches('\n').count();
+            let annotations = places.iter().zip(&d.labels).enumerate().map(|(i, (place, label))| {
+                let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
+                let annotation = kind.span(place.start - from..place.end - from);
+                if label.text.is_empty() { annotation } else { annotation.label(&label.text) }
+            });
+            let snippet = Snippet::source(&source[from..to]).line_start(line).path(&file.file);
+            group = group.element(snippet.annotations(annotations));
+        }
     } else {
         group = group.element(Origin::path(&file.file));
     }
     for help in &d.help {
-        group = group.element(Level::HELP.message(annotate_snippets::normalize_untrusted_str(help)));
+        group = group.element(Level::HELP.message(normalize_untrusted_str(help)));
+    }
+    group
+}
+
+/// Adds the places of the labels in numbers, for text with lines that nobody reads.
+fn without_lines<'a>(
+    mut group: Group<'a>,
+    file: &'a FileReport,
+    d: &'a Diagnostic,
+    places: &[Range<usize>],
+) -> Group<'a> {
+    let lines = LineIndex::new(&file.source);
+    for (i, (place, label)) in places.iter().zip(&d.labels).enumerate() {
+        let (line, column) = position(&file.source, &lines, place.start);
+        if i == 0 {
+            group = group.element(Origin::path(&file.file).line(line).char_column(column));
+        }
+        if !label.text.is_empty() {
+            let text = normalize_untrusted_str(&label.text);
+            group = group.element(Level::NOTE.message(format!("{line}:{column}: {text}")));
+        }
     }
     group
 }

@@ -130,25 +130,25 @@ impl<A: Copy + Eq + Debug> Sum<A> {
             }
             Expr::Atom(a) => Sum { products: vec![Product { literals: vec![Literal { atom: *a, negated }] }] },
             Expr::Not(e) => return Self::convert(e, !negated, limit),
-            Expr::Or(es) if !negated => Self::sum(es.iter().map(|e| Self::convert(e, negated, limit)), limit)?,
-            Expr::And(es) if negated => Self::sum(es.iter().map(|e| Self::convert(e, negated, limit)), limit)?,
+            Expr::Or(es) if !negated => Self::union(es.iter().map(|e| Self::convert(e, negated, limit)), limit)?,
+            Expr::And(es) if negated => Self::union(es.iter().map(|e| Self::convert(e, negated, limit)), limit)?,
             Expr::And(es) | Expr::Or(es) => {
                 let mut all = Sum::one();
                 for e in es {
-                    all = Self::product(&all, &Self::convert(e, negated, limit)?, limit)?;
+                    all = Self::times(&all, &Self::convert(e, negated, limit)?, limit)?;
                 }
                 all
             }
             Expr::Xor(l, r) => {
-                let left = Self::product(&Self::convert(l, false, limit)?, &Self::convert(r, !negated, limit)?, limit)?;
-                let right = Self::product(&Self::convert(l, true, limit)?, &Self::convert(r, negated, limit)?, limit)?;
-                Self::sum([Some(left), Some(right)].into_iter(), limit)?
+                let left = Self::times(&Self::convert(l, false, limit)?, &Self::convert(r, !negated, limit)?, limit)?;
+                let right = Self::times(&Self::convert(l, true, limit)?, &Self::convert(r, negated, limit)?, limit)?;
+                Self::union([Some(left), Some(right)].into_iter(), limit)?
             }
         };
         (sum.products.len() <= limit).then_some(sum)
     }
 
-    fn sum(parts: impl Iterator<Item = Option<Sum<A>>>, limit: usize) -> Option<Sum<A>> {
+    fn union(parts: impl Iterator<Item = Option<Sum<A>>>, limit: usize) -> Option<Sum<A>> {
         let mut all = Sum::zero();
         for part in parts {
             for p in part?.products {
@@ -161,7 +161,7 @@ impl<A: Copy + Eq + Debug> Sum<A> {
         Some(all)
     }
 
-    fn product(left: &Sum<A>, right: &Sum<A>, limit: usize) -> Option<Sum<A>> {
+    fn times(left: &Sum<A>, right: &Sum<A>, limit: usize) -> Option<Sum<A>> {
         let mut all = Sum::zero();
         for l in &left.products {
             for r in &right.products {

@@ -1,0 +1,60 @@
+//! `models/invalid`: one wrong model for each code, and what the user reads about it.
+
+use crate::support::binary::{chartwright, code, stderr};
+use crate::support::models::{assert_only, diagnose, listing, repository};
+use chartwright::base::Code;
+use std::fs;
+
+const MODELS: &str = "models/invalid";
+const SNAPSHOTS: &str = "snapshots/invalid";
+
+/// Codes whose model is not in the repository. `tests/cli.rs` makes one.
+const ELSEWHERE: &[(Code, &str)] = &[(Code::TooLarge, "it has 16 MiB")];
+
+/// The code that a file is named after.
+fn code_of(file: &str) -> Code {
+    let number = file.split('_').next().unwrap_or_default();
+    Code::find(number).unwrap_or_else(|| panic!("{MODELS}/{file} is named after no code"))
+}
+
+#[test]
+fn every_code_has_one_model() {
+    let mut models: Vec<_> = listing(MODELS).iter().map(|f| code_of(f)).collect();
+    models.extend(ELSEWHERE.iter().map(|(code, _)| code));
+    models.sort();
+    assert_eq!(models, Code::ALL);
+}
+
+#[test]
+fn every_model_yields_its_code_alone() {
+    for file in listing(MODELS) {
+        let code = code_of(&file);
+        let path = repository(MODELS).join(&file);
+        // A directory: only the command line can fail to read it.
+        if code != Code::Unreadable {
+            assert_only(code, &diagnose(&fs::read(path).unwrap()), &file);
+        }
+    }
+}
+
+#[test]
+fn what_the_user_reads() {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(repository(SNAPSHOTS));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    for file in listing(MODELS) {
+        let output = chartwright(&repository(MODELS), &format!("check {file}"));
+        assert_eq!(code(&output), i32::from(file.starts_with('E')), "{file}");
+        let name = file.trim_end_matches(".chart");
+        settings.bind(|| insta::assert_snapshot!(name, stderr(&output)));
+    }
+}
+
+#[test]
+fn every_snapshot_has_a_model() {
+    let mut models: Vec<_> = listing(MODELS).iter().map(|f| f.replace(".chart", ".snap")).collect();
+    models.sort();
+    let snapshots: Vec<_> = listing(SNAPSHOTS).into_iter().filter(|f| f.ends_with(".snap")).collect();
+    assert_eq!(snapshots, models);
+}

@@ -65,6 +65,35 @@ pub fn rounds(machine: &Machine, sat: &mut Sat) -> Option<usize> {
     unreachable!("every round but the last violates one more product")
 }
 
+/// Whether each constraint and assumption, split into products, still says what is written; names the
+/// first that does not.
+pub fn products_say_what_is_written(machine: &Machine, sat: &mut Sat) -> Result<(), String> {
+    let safety = &machine.safety;
+    let constraints = safety.constraints.values().map(|c| (&c.name, &c.never, &c.products));
+    let assumptions = safety.assumptions.iter().map(|a| (&a.name, &a.never, &a.products));
+    for (name, never, products) in constraints.chain(assumptions) {
+        let mut aig = Aig::new();
+        let mut readings = HashMap::new();
+        let mut read =
+            |aig: &mut Aig, atom: Atom| *readings.entry(atom).or_insert_with(|| aig.leaf(machine.atom(atom)));
+        let written = aig.expression(never, &mut |aig, &atom| read(aig, atom));
+        let mut split = Vec::new();
+        for product in products {
+            let literals: Vec<Lit> =
+                product.literals().iter().map(|l| read(&mut aig, l.atom).xor(l.negated)).collect();
+            split.push(aig.all(&literals));
+        }
+        let split = aig.any(&split);
+        let differ = aig.xor(written, split);
+        sat.forget();
+        if !matches!(sat.ask(&aig, &[differ], Budget::PROOF), Answer::Never) {
+            return Err(format!("the products of {name} do not say what is written"));
+        }
+    }
+    sat.forget();
+    Ok(())
+}
+
 /// A product with several outputs of this scan, in a run of the filter.
 struct Combined {
     constraint: usize,

@@ -36,6 +36,12 @@ pub struct Model {
     leaves: BTreeMap<u32, bool>,
 }
 
+impl FromIterator<(u32, bool)> for Model {
+    fn from_iter<I: IntoIterator<Item = (u32, bool)>>(leaves: I) -> Self {
+        Model { leaves: leaves.into_iter().collect() }
+    }
+}
+
 impl Model {
     /// The value of the leaf of that number, FALSE where it does not matter.
     pub fn leaf(&self, leaf: u32) -> bool {
@@ -130,7 +136,7 @@ impl Sat {
             let solver = &self.solver;
             // A leaf that the solver left open does not matter.
             let leaves = self.leaves.iter().map(|&(leaf, v)| (leaf, solver.value_var(v) == lbool::TRUE));
-            Answer::Sometimes(Model { leaves: leaves.collect() })
+            Answer::Sometimes(leaves.collect())
         } else if outcome == lbool::FALSE {
             Answer::Never
         } else {

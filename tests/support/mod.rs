@@ -2,6 +2,7 @@
 
 pub mod binary;
 pub mod charts;
+pub mod direct;
 pub mod models;
 pub mod plc;
 pub mod read;

@@ -8,6 +8,7 @@ mod layers;
 mod layout;
 mod licences;
 mod mutants;
+mod program_mutants;
 mod prove;
 mod snapshots;
 mod stability;

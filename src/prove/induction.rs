@@ -15,7 +15,7 @@ use super::program_step::{ProgramState, ProgramStep};
 use super::random::Random;
 use super::sat::{Answer, Budget, Model, Sat};
 use crate::ir::chart::{Machine, RegionId};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// How many words of 64 random assignments are tried before a solver is asked.
 const WORDS: usize = 4;
@@ -60,7 +60,7 @@ pub struct Situation {
 pub struct Count {
     /// All claims.
     pub claims: usize,
-    /// Those where both sides are one node of the graph.
+    /// Those where both sides are one node of the graph, or have been compared before.
     pub by_structure: usize,
     /// Those that a solver was asked about.
     pub by_solver: usize,
@@ -276,17 +276,19 @@ struct Compare<'s> {
     random: Random,
     leaves: Vec<Vec<u64>>,
     samples: Vec<Vec<u64>>,
+    /// What has been proved: a step and its flag are two claims about one literal.
+    proved: HashSet<(Lit, Lit)>,
 }
 
 impl<'s> Compare<'s> {
     fn new(sat: &'s mut Sat) -> Self {
         let empty = || vec![Vec::new(); WORDS];
-        Compare { sat, random: Random::new(1), leaves: empty(), samples: empty() }
+        Compare { sat, random: Random::new(1), leaves: empty(), samples: empty(), proved: HashSet::new() }
     }
 
     fn same(&mut self, aig: &mut Aig, a: Lit, b: Lit, count: &mut Count) -> Outcome {
         count.claims += 1;
-        if a == b {
+        if a == b || self.proved.contains(&(a, b)) {
             count.by_structure += 1;
             return Outcome::Same;
         }
@@ -306,7 +308,10 @@ impl<'s> Compare<'s> {
         count.by_solver += 1;
         self.sat.forget();
         match self.sat.ask(aig, &[differ], Budget::PROOF) {
-            Answer::Never => Outcome::Same,
+            Answer::Never => {
+                self.proved.insert((a, b));
+                Outcome::Same
+            }
             Answer::Sometimes(model) => Outcome::Differs(Some(model)),
             Answer::GaveUp => Outcome::Differs(None),
         }

@@ -26,7 +26,7 @@ pub mod induction;
 pub mod joint;
 pub mod parts;
 pub mod program_step;
-mod random;
+pub mod random;
 pub mod sat;
 pub mod search;
 pub mod trace;

@@ -202,17 +202,17 @@ impl Match {
         for (i, &latch) in self.inputs.iter().enumerate() {
             meanings[latch] = Some(Meaning::Input(Id::from_index(i), true));
         }
-        let written = program.written();
-        for (latch, value) in program.power_up().into_iter().enumerate() {
-            if !written[latch] && meanings[latch].is_none() {
-                meanings[latch] = value.constant().map(Meaning::Constant);
-            }
-        }
         let mut state_of = BTreeMap::new();
         for &(part, latch) in &self.parts {
             meanings[latch] = meanings[latch].or(part.remembered());
             if let Part::Step(s) = part {
                 state_of.insert(latch, s);
+            }
+        }
+        let written = program.written();
+        for (latch, value) in program.power_up().into_iter().enumerate() {
+            if !written[latch] && meanings[latch].is_none() {
+                meanings[latch] = value.constant().map(Meaning::Constant);
             }
         }
         for (p, body) in project.programs.iter().enumerate().map(|(p, program)| (p, &program.body)) {

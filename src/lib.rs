@@ -13,6 +13,9 @@
 //! | [`layout`] | SFC, ladder | drawing |
 //! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
 //!
+//! Two more check what came out: [`read`] turns PLCopen XML of any origin into a PLC project as it
+//! is executed, [`simulate`] executes it scan by scan.
+//!
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
 
@@ -26,5 +29,7 @@ pub mod lower;
 pub mod parse;
 pub mod pipeline;
 pub mod prove;
+pub mod read;
 pub mod resolve;
+pub mod simulate;
 pub mod stats;

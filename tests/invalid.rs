@@ -50,11 +50,3 @@ fn what_the_user_reads() {
         settings.bind(|| insta::assert_snapshot!(name, stderr(&output)));
     }
 }
-
-#[test]
-fn every_snapshot_has_a_model() {
-    let mut models: Vec<_> = listing(MODELS).iter().map(|f| f.replace(".chart", ".snap")).collect();
-    models.sort();
-    let snapshots: Vec<_> = listing(SNAPSHOTS).into_iter().filter(|f| f.ends_with(".snap")).collect();
-    assert_eq!(snapshots, models);
-}

@@ -1,7 +1,7 @@
 //! Drawings: nothing overlaps, lines run level or upright and through no box.
 
 use crate::support::charts;
-use chartwright::ir::drawing::{Drawing, Rect, Wire};
+use chartwright::ir::drawing::{Drawing, LadderShape, Rect, Wire};
 use chartwright::ir::plc::{Body, Project};
 use chartwright::layout::{self, Branches, Structure};
 use proptest::prelude::*;
@@ -70,6 +70,26 @@ proptest! {
     fn any_sfc_is_drawn_clear(project in charts::sfc()) {
         draw(&project, Structure::Jumps, Branches::AsWritten);
         draw(&project, Structure::Balanced, Branches::AsWritten);
+    }
+
+    #[test]
+    fn rungs_stand_apart(project in charts::ladder()) {
+        let Body::Ladder(ladder) = &project.programs[0].body else { panic!("a ladder") };
+        let drawing = layout::ladder::draw(&project, ladder, Branches::EqualShape);
+        let bottom = |e: &chartwright::ir::drawing::Element<_>| e.area.y + e.area.height;
+        let mut end = None;
+        for element in &drawing.elements {
+            match element.shape {
+                // Some IDEs take rungs that are closer for one, or order them by their height.
+                LadderShape::LeftRail { .. } => prop_assert!(end.is_none_or(|end| element.area.y >= end + 40)),
+                LadderShape::RightRail => end = Some(bottom(element)),
+                LadderShape::Comment { .. }
+                | LadderShape::Contact(_)
+                | LadderShape::Preset { .. }
+                | LadderShape::Timer { .. }
+                | LadderShape::Coil { .. } => {}
+            }
+        }
     }
 
     #[test]

@@ -186,10 +186,11 @@ codes! {
     NeverDone "E306" "a state is never done",
     SamePriority "E307" "two transitions of one source have one priority",
     NeverFires "E308" "a transition can never fire",
-    TooManyStates "E309" "a region has more states than one SFC may have",
+    TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
     SetAndReset "E311" "one transition sets and resets a variable",
-    BadCycle "E312" "the cycle time is out of range",
+    BadTime "E312" "a time is out of range",
+    NoChart "E313" "a machine has no chart",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",
@@ -200,6 +201,13 @@ codes! {
     ContradictingReliefs "E407" "combined constraints can force one output both ways",
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
+
+    NotPlcopen "E601" "the file is not PLCopen XML",
+    NotUnderstood "E602" "a construct of the PLC project is not understood",
+    Undeclared "E603" "a name is not declared in the PLC project",
+    Unconnected "E604" "an element of a drawing is not connected as it must be",
+    BrokenText "E605" "a text in a PLC language has a wrong form or type",
+    Clash "E606" "two things in the PLC project have one name, number or address",
 
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",

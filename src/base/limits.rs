@@ -10,6 +10,10 @@ pub const NESTING: usize = 64;
 /// has to stay within the 150 steps that PLC code generators still take in reasonable time.
 pub const REGION_STATES: usize = 149;
 
+/// Most transitions of one region, those that `from any` stands for counted one by one. Each is drawn,
+/// and a program of that size is at the end of what a person and an IDE can take.
+pub const REGION_TRANSITIONS: usize = 1_000;
+
 /// Longest name that a model may give anything, in characters.
 pub const NAME_LENGTH: usize = 48;
 

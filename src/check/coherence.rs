@@ -21,6 +21,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         forced[f.output.index()][usize::from(f.value)].push(i);
     }
     for [off, on] in &forced {
+        // One pair per output is enough to start with.
         for (&i, &j) in off.iter().flat_map(|i| on.iter().map(move |j| (i, j))) {
             let (a, b) = (&reliefs.forcings[i], &reliefs.forcings[j]);
             if let Some(witness) = meet(&a.condition, &b.condition, &assumed) {
@@ -38,6 +39,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                     .help(format!("both at once when {}", show(machine, &witness)))
                     .help("add a condition to one of them, or `assume` that this cannot happen"),
                 );
+                break;
             }
         }
     }
@@ -95,6 +97,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         }
     }
 
+    if found.has_errors() {
+        return; // What is said of a cycle holds only for constraints that are coherent.
+    }
     for cycle in &reliefs.cycles {
         let mut names: Vec<&str> =
             cycle.iter().map(|&j| constraints[reliefs.combined[j].constraint].name.as_str()).collect();
@@ -103,7 +108,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         found.push(
             Diagnostic::new(Code::CyclicReliefs, format!("the reliefs of {} set each other off", names.join(", ")))
                 .label(first, "one of them")
-                .help("this is coherent, but the filter needs as many rounds as there are members in the cycle"),
+                .help("this is coherent, but the filter needs a round for each output in the cycle that yields"),
         );
     }
 }

@@ -21,4 +21,17 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             );
         }
     }
+    for ((id, region), list) in machine.regions.iter().zip(machine.scoped()) {
+        if list.len() > limits::REGION_TRANSITIONS {
+            let path = machine.region_path(id);
+            found.push(
+                Diagnostic::new(
+                    Code::TooManyStates,
+                    format!("`{path}` has {} transitions; at most {} fit into one SFC", list.len(), limits::REGION_TRANSITIONS),
+                )
+                .label(region.span, "each state that `from any` stands for counts")
+                .help("gather states that are left in the same way into a composite state, and let one transition leave it"),
+            );
+        }
+    }
 }

@@ -12,7 +12,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
-            Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) => {}
+            Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
     for t in machine.transitions.values() {

@@ -16,12 +16,15 @@
 //! - Texts stand in CDATA directly within `xhtml:p`.
 
 use super::xml::{Tag, Xml};
-use super::{position, unused_name};
+use super::{position, timer, unused_name};
 use crate::ir::drawing::{LadderShape, Point, Rect, SfcShape, Wire};
-use crate::ir::ladder::{CoilKind, Ladder};
+use crate::ir::ladder::{CoilKind, Ladder, Timer};
 use crate::ir::plc::{Global, Program, Project};
 use crate::ir::sfc::Sfc;
 use crate::layout::{self, Branches, Structure};
+
+/// What the local variable of a program is called that uses no global.
+const UNUSED: &str = "Unused";
 
 /// The root element, still open for attributes.
 pub fn root(xml: &mut Xml) -> Tag<'_> {
@@ -32,12 +35,14 @@ pub fn root(xml: &mut Xml) -> Tag<'_> {
 
 /// The declarations of a program.
 pub fn interface(xml: &mut Xml, project: &Project, program: &Program) {
-    let used = program.globals();
+    let (used, timers) = (program.globals(), program.timers());
     xml.element("interface", |xml| {
+        if !timers.is_empty() {
+            xml.element("localVars", |xml| timers.iter().for_each(|name| timer(xml, name)));
+        }
         if used.is_empty() {
             xml.element("localVars", |xml| {
-                let name = unused_name(project, "Unused");
-                xml.tag("variable").attr("name", name).with(kind);
+                xml.tag("variable").attr("name", unused_name(project, UNUSED)).with(kind);
             });
         } else {
             xml.element("externalVars", |xml| {
@@ -194,12 +199,15 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
                 });
             }
         }
-        numbers.given();
+        numbers.given(None);
     }
 }
 
 /// The body of a program in LD.
 pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
+    if ladder.rungs.is_empty() {
+        return idle(xml, &unused_name(project, UNUSED));
+    }
     let drawing = layout::ladder::draw(project, ladder, Branches::EqualShape);
     let mut numbers = Numbers::new(drawing.elements.len());
     for element in &drawing.elements {
@@ -227,6 +235,21 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                     xml.tag("variable").text(&project.globals[literal.atom].name);
                 });
             }
+            LadderShape::Preset { rung } => {
+                let literal = ladder.rungs[rung].timer.as_ref().map(Timer::literal).unwrap_or_default();
+                numbers.tag(xml, "inVariable", area).attr("negated", "false").with(|xml| {
+                    position(xml, "position", area.x, area.y);
+                    connect_out(xml, "connectionPointOut", None, area, area.right());
+                    xml.tag("expression").text(&literal);
+                });
+            }
+            LadderShape::Timer { rung } => {
+                let instance = ladder.rungs[rung].timer.as_ref().map(|t| t.instance.as_str());
+                let tag = numbers.tag(xml, "block", area).attr("typeName", "TON").attr_opt("instanceName", instance);
+                tag.with(|xml| timer_pins(xml, area, inputs, &numbers));
+                numbers.given(Some("Q"));
+                continue;
+            }
             LadderShape::Coil { rung } => {
                 let rung = &ladder.rungs[rung];
                 let storage = match rung.kind {
@@ -249,14 +272,55 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                 });
             }
         }
-        numbers.given();
+        numbers.given(None);
     }
+}
+
+/// The pins of a timer; `inputs` are its preset time, then what starts it.
+fn timer_pins(xml: &mut Xml, area: &Rect, inputs: &[Wire], numbers: &Numbers) {
+    position(xml, "position", area.x, area.y);
+    let (preset, condition) = inputs.split_at(1);
+    xml.element("inputVariables", |xml| {
+        for (pin, wires) in [("IN", condition), ("PT", preset)] {
+            xml.tag("variable").attr("formalParameter", pin).with(|xml| {
+                connect_in(xml, "connectionPointIn", area, area.left(), wires, numbers);
+            });
+        }
+    });
+    xml.tag("inOutVariables").empty();
+    let height = |wires: &[Wire]| wires.first().and_then(|w| w.path.last()).map_or(area.y, |p| p.y);
+    xml.element("outputVariables", |xml| {
+        for (pin, y) in [("Q", height(condition)), ("ET", height(preset))] {
+            xml.tag("variable").attr("formalParameter", pin).with(|xml| {
+                connect_out(xml, "connectionPointOut", None, area, Point { x: area.x + area.width, y });
+            });
+        }
+    });
+}
+
+/// A rung that does nothing, for a ladder without rungs: a program has to have a body.
+fn idle(xml: &mut Xml, variable: &str) {
+    let mut numbers = Numbers::new(2);
+    let rail = Rect { x: 40, y: 40, width: 4, height: 40 };
+    let coil = Rect { x: 80, y: 52, width: 20, height: 16 };
+    let wire = Wire { from: 0, path: vec![rail.right(), coil.left()] };
+    numbers.tag(xml, "leftPowerRail", &rail).with(|xml| {
+        position(xml, "position", rail.x, rail.y);
+        connect_out(xml, "connectionPointOut", Some(""), &rail, rail.right());
+    });
+    numbers.given(None);
+    numbers.tag(xml, "coil", &coil).with(|xml| {
+        position(xml, "position", coil.x, coil.y);
+        connect_in(xml, "connectionPointIn", &coil, coil.left(), [&wire], &numbers);
+        connect_out(xml, "connectionPointOut", None, &coil, coil.right());
+        xml.tag("variable").text(variable);
+    });
 }
 
 /// The numbers by which the elements of a body refer to each other.
 struct Numbers {
-    /// Those of the elements so far.
-    given: Vec<u32>,
+    /// Those of the elements so far, with the pin at which lines leave a box.
+    given: Vec<(u32, Option<&'static str>)>,
     next: u32,
 }
 
@@ -276,9 +340,9 @@ impl Numbers {
         xml.tag(name).attr("localId", self.next).attr("height", area.height).attr("width", area.width)
     }
 
-    /// The current element is written.
-    fn given(&mut self) {
-        self.given.push(self.next);
+    /// The current element is written; lines leave it at `pin`.
+    fn given(&mut self, pin: Option<&'static str>) {
+        self.given.push((self.next, pin));
         self.next += 1;
     }
 }
@@ -297,7 +361,8 @@ fn connect_in<'w>(
     xml.element(name, |xml| {
         position(xml, "relPosition", at.x - area.x, at.y - area.y);
         for wire in wires {
-            xml.tag("connection").attr("refLocalId", numbers.given[wire.from]).with(|xml| {
+            let (number, pin) = numbers.given[wire.from];
+            xml.tag("connection").attr("refLocalId", number).attr_opt("formalParameter", pin).with(|xml| {
                 for point in wire.path.iter().rev() {
                     position(xml, "position", point.x, point.y);
                 }

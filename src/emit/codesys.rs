@@ -13,19 +13,21 @@
 //! # Where globals and the task stand
 //!
 //! An import inserts objects below the selected node, which for programs and variable lists is the
-//! application. In real exports of its children, programs stand in `types/pous` and variable lists
-//! in vendor data of the project; a `configuration` would be refused there, and with it all that it
-//! holds. So `configurations` is empty and the variables are a list in vendor data `globalvars`.
+//! application. In exports of its children, programs stand in `types/pous` and variable lists in
+//! vendor data of the project. A `configuration` is refused below the application, and with it all
+//! that it holds, while programs and vendor lists arrive (a public report on V3.5 SP21; no IDE was
+//! run for this project). So `configurations` is empty and the variables are a list in vendor data
+//! `globalvars`.
 //!
 //! No export of children names a task. The task stands where an export of a whole application has
-//! it, in vendor data `application`: an import below the application leaves it aside, but whoever
-//! reads the file finds in it which programs the task calls, and in which order. Where it is left
-//! aside the programs have to be put under the task by hand, in that order.
+//! it, in vendor data `application`. An import below the application has no place for it, as for a
+//! configuration; but whoever reads the file finds in it which programs the task calls, and in which
+//! order. After such an import the programs have to be put under the task by hand, in that order.
 
 use super::xml::{Tag, Xml};
-use super::{position, unused_name};
+use super::{position, timer, unused_name};
 use crate::ir::drawing::{LadderShape, SfcShape, Wire};
-use crate::ir::ladder::{CoilKind, Ladder};
+use crate::ir::ladder::{CoilKind, Ladder, Timer};
 use crate::ir::plc::{Body, Global, Program, Project};
 use crate::ir::sfc::Sfc;
 use crate::layout::{self, Branches, Structure};
@@ -51,7 +53,12 @@ pub fn project_information(xml: &mut Xml) {
 /// The declarations of a program: it has none of its own.
 pub fn interface(xml: &mut Xml, program: &Program) {
     xml.element("interface", |xml| {
-        xml.tag("localVars").empty();
+        let timers = program.timers();
+        if timers.is_empty() {
+            xml.tag("localVars").empty();
+        } else {
+            xml.element("localVars", |xml| timers.iter().for_each(|name| timer(xml, name)));
+        }
         documentation(xml, &program.description);
     });
 }
@@ -283,6 +290,44 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                 });
                 id
             }
+            LadderShape::Preset { rung } => {
+                let (id, timer) = (number(), &ladder.rungs[rung].timer);
+                xml.tag("inVariable").attr("localId", id).with(|xml| {
+                    position(xml, "position", 0, 0);
+                    xml.tag("connectionPointOut").empty();
+                    xml.tag("expression").text(&timer.as_ref().map(Timer::literal).unwrap_or_default());
+                });
+                id
+            }
+            LadderShape::Timer { rung } => {
+                let (id, timer) = (number(), &ladder.rungs[rung].timer);
+                let instance = timer.as_ref().map(|t| t.instance.as_str());
+                let tag = xml.tag("block").attr("localId", id).attr("typeName", "TON");
+                tag.attr_opt("instanceName", instance).with(|xml| {
+                    position(xml, "position", 0, 0);
+                    let (preset, condition) = element.inputs.split_at(1);
+                    xml.element("inputVariables", |xml| {
+                        for (pin, wires) in [("IN", condition), ("PT", preset)] {
+                            xml.tag("variable")
+                                .attr("formalParameter", pin)
+                                .with(|xml| connect_in(xml, None, wires.iter().map(from)));
+                        }
+                    });
+                    xml.tag("inOutVariables").empty();
+                    xml.element("outputVariables", |xml| {
+                        for pin in ["Q", "ET"] {
+                            xml.tag("variable")
+                                .attr("formalParameter", pin)
+                                .with(|xml| xml.tag("connectionPointOut").empty());
+                        }
+                    });
+                    xml.element("addData", |xml| {
+                        data(xml, "http://www.3s-software.com/plcopenxml/fbdcalltype")
+                            .with(|xml| xml.tag("CallType").attr("xmlns", "").text("functionblock"));
+                    });
+                });
+                id
+            }
             LadderShape::Coil { rung } => {
                 let (id, rung) = (number(), &ladder.rungs[rung]);
                 let storage = match rung.kind {
@@ -293,7 +338,8 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                 let tag = xml.tag("coil").attr("localId", id).attr("negated", "false").attr("storage", storage);
                 tag.with(|xml| {
                     position(xml, "position", 0, 0);
-                    connect_in(xml, None, element.inputs.iter().map(from));
+                    let pin = rung.timer.as_ref().map(|_| "Q");
+                    connect_in(xml, pin, element.inputs.iter().map(from));
                     xml.tag("connectionPointOut").empty();
                     xml.tag("variable").text(&project.globals[rung.coil].name);
                 });

@@ -1,7 +1,7 @@
 //! PLC project to text that PLC IDEs read: PLCopen XML (TC6), and a table of names.
 //!
 //! Two families of IDEs read PLCopen XML, with rules that exclude each other. Each has its writer,
-//! [`beremiz`] and [`codesys`]; what both share is here: the headers, the frame of types and
+//! `beremiz` and `codesys`; what both share is here: the headers, the frame of types and
 //! programs. Both write elements in the order of the [drawing](crate::ir::drawing), and number them
 //! as they go.
 
@@ -112,6 +112,13 @@ fn pou(xml: &mut Xml, project: &Project, program: &Program, dialect: Dialect) {
             Dialect::Beremiz => beremiz::after_body(xml, program),
             Dialect::Codesys => codesys::after_body(xml, program),
         }
+    });
+}
+
+/// The declaration of a timer.
+fn timer(xml: &mut Xml, name: &str) {
+    xml.tag("variable").attr("name", name).with(|xml| {
+        xml.element("type", |xml| xml.tag("derived").attr("name", "TON").empty());
     });
 }
 

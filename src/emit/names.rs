@@ -30,7 +30,16 @@ pub fn table(project: &Project, lines: &LineIndex) -> String {
                     table.row(&step.name, "step", &program.name, &step.origin, &step.description);
                 }
             }
-            Body::Ladder(_) => {}
+            Body::Ladder(ladder) => {
+                // A timer may be called by several rungs; it is one thing.
+                let mut seen: Vec<&str> = Vec::new();
+                for (rung, timer) in ladder.rungs.iter().filter_map(|r| Some((r, r.timer.as_ref()?))) {
+                    if !seen.contains(&timer.instance.as_str()) {
+                        seen.push(&timer.instance);
+                        table.row(&timer.instance, "timer", &program.name, &rung.origin, &rung.comment);
+                    }
+                }
+            }
         }
     }
     table.csv

@@ -46,7 +46,7 @@ pub struct Machine {
     /// The text behind the name.
     pub description: Option<Text>,
     /// `cycle 10ms`, every one that was written.
-    pub cycles: Vec<Cycle>,
+    pub cycles: Vec<Duration>,
     /// All `inputs { … }` in order.
     pub inputs: Vec<Signal>,
     /// All `outputs { … }` in order.
@@ -59,15 +59,6 @@ pub struct Machine {
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
     pub safety: Vec<Safety>,
-}
-
-/// `cycle 10ms`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cycle {
-    /// In milliseconds; nothing when it does not fit a `u32`.
-    pub milliseconds: Option<u32>,
-    /// The number with its unit.
-    pub span: Span,
 }
 
 /// `H0 at %IX0.0 "horizontal cylinder in"`.
@@ -159,6 +150,17 @@ pub enum Term {
     DoneOf(PathRef),
     /// `done`: the source of this transition.
     Done(Span),
+    /// `after 500ms`: the source of this transition has been active that long.
+    After(Duration),
+}
+
+/// A time such as `500ms` or `2s`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Duration {
+    /// In milliseconds; nothing when it does not fit a `u32`.
+    pub milliseconds: Option<u32>,
+    /// Where.
+    pub span: Span,
 }
 
 /// A path inside an expression.

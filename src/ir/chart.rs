@@ -164,6 +164,9 @@ pub enum Atom {
     In(StateId),
     /// Whether every region of the state is in a final state.
     Done(StateId),
+    /// Whether the state has been active for that many milliseconds, counted from the first scan
+    /// that began in it; in guards only.
+    After(StateId, u32),
 }
 
 /// A chart: a hierarchy of states that runs from the first scan on.
@@ -403,6 +406,7 @@ impl Machine {
             Atom::Variable(v) => self.variables[v].name.clone(),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
+            Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),
         }
     }
 

@@ -147,6 +147,16 @@ pub enum LadderShape {
     },
     /// A contact.
     Contact(Literal<GlobalId>),
+    /// The preset time of a rung's timer.
+    Preset {
+        /// Its index in the ladder.
+        rung: usize,
+    },
+    /// The timer of a rung: its first input is the preset time, the others its condition.
+    Timer {
+        /// Its index in the ladder.
+        rung: usize,
+    },
     /// The coil of a rung.
     Coil {
         /// Its index in the ladder.

@@ -117,6 +117,19 @@ pub struct Task {
 }
 
 impl Program {
+    /// The names of the timers of the body, in order of first use, each once.
+    pub fn timers(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        if let Body::Ladder(ladder) = &self.body {
+            for timer in ladder.rungs.iter().filter_map(|r| r.timer.as_ref()) {
+                if !names.contains(&timer.instance.as_str()) {
+                    names.push(&timer.instance);
+                }
+            }
+        }
+        names
+    }
+
     /// The globals that the body mentions, in order of declaration, each once.
     pub fn globals(&self) -> Vec<GlobalId> {
         let mut used = Vec::new();

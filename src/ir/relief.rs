@@ -75,8 +75,8 @@ impl Reliefs {
     }
 
     /// The number of rounds after which no combined product can be violated any more: the longest
-    /// path of GO, a cycle counting as many nodes as it has. Within a scan a product is newly
-    /// violated at most once, because its relief stays.
+    /// path of GO. A cycle counts as many nodes as it has products, or as it has outputs that yield
+    /// if these are fewer: reliefs stay, so each round in which it is violated relieves another one.
     pub fn depth(&self) -> usize {
         self.rounds.iter().copied().max().unwrap_or(0)
     }
@@ -112,8 +112,12 @@ impl Reliefs {
                 .map(|n| self.rounds[n.index()])
                 .max()
                 .unwrap_or(0);
+            let mut yielding: Vec<OutputId> =
+                component.iter().flat_map(|n| self.combined[n.index()].reliefs.iter().map(|(o, _)| *o)).collect();
+            yielding.sort_unstable();
+            yielding.dedup();
             for &n in component {
-                self.rounds[n.index()] = before + component.len();
+                self.rounds[n.index()] = before + component.len().min(yielding.len());
             }
             if component.len() > 1 {
                 let mut members: Vec<usize> = component.iter().map(|n| n.index()).collect();

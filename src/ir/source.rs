@@ -201,6 +201,7 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::In(p) => write!(f, "in({})", path(p)),
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
         Term::Done(_) => f.write_str("done"),
+        Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
     });
     written.expect("writing to a string succeeds");
     out

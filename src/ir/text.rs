@@ -146,7 +146,8 @@ fn rung(text: &mut String, project: &Project, rung: &Rung) {
                 CoilKind::Reset => ("(R ", " )"),
             };
             let line = if branches.len() > 1 { "--" } else { "" };
-            write!(text, "{line}{open}{}{close}--|", name(rung.coil)).expect(INFALLIBLE);
+            let timer = rung.timer.as_ref().map(|t| format!("[TON {} {}]--", t.instance, t.literal()));
+            write!(text, "{line}{}{open}{}{close}--|", timer.unwrap_or_default(), name(rung.coil)).expect(INFALLIBLE);
         }
         text.push('\n');
     }

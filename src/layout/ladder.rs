@@ -1,12 +1,12 @@
 //! Ladder to drawing: each rung between two rails of its own, a product per row, the coil on the
 //! right.
 //!
-//! Contacts of one rung stand in columns as wide as their longest name; the coils of all rungs stand
-//! in one column.
+//! Contacts of one rung stand in columns as wide as their longest name; the coils of all but very
+//! long rungs stand in one column.
 
 use super::{Branches, MARGIN, text_width};
 use crate::ir::drawing::{CHAR, Drawing, Element, ElementId, LINE, LadderShape, Point, Rect, Wire};
-use crate::ir::ladder::{Ladder, Rung};
+use crate::ir::ladder::{Ladder, Rung, Timer};
 use crate::ir::plc::{GlobalId, Project};
 use crate::ir::sop::Literal;
 
@@ -21,40 +21,56 @@ const RUNG_GAP: i32 = 40;
 const JUNCTION: i32 = 20;
 /// Between the names of neighbours.
 const GAP: i32 = 20;
+/// A timer: how far above its upper pins it begins, how far below them the lower ones are, and its
+/// lower edge.
+const TIMER: (i32, i32, i32) = (LINE + SYMBOL.1 / 2, 28, 44);
 /// Longest line of a comment, in characters.
 const COMMENT: usize = 100;
+
+/// Contacts up to this width leave the coil in the common column; coils up to the other do not widen
+/// it. One long rung among short ones must not move all coils off the screen.
+const COMMON: (i32, i32) = (800, 240);
 
 /// Draws `ladder`.
 pub fn draw(project: &Project, ladder: &Ladder, branches: Branches) -> Drawing<LadderShape> {
     let rungs: Vec<Plan> = ladder.rungs.iter().map(|r| plan(project, r, branches)).collect();
-    let name = |g: GlobalId| text_width(&project.globals[g].name);
-    let contacts = rungs.iter().map(|p| p.columns.iter().sum::<i32>()).max().unwrap_or(0);
-    let coils = ladder.rungs.iter().map(|r| name(r.coil)).max().unwrap_or(0).max(SYMBOL.0) + GAP;
-    let first = MARGIN + RAIL + JUNCTION;
-    let coil = first + contacts + JUNCTION + coils / 2;
-    let right = coil + coils / 2 + JUNCTION;
+    let common = rungs.iter().fold((0, 0), |common, rung| {
+        (common.0.max(rung.contacts.min(COMMON.0)), common.1.max(rung.coil.min(COMMON.1)))
+    });
 
-    let mut drawing = Drawing { width: right + RAIL + MARGIN, ..Drawing::new() };
-    let mut y = MARGIN;
+    let mut drawing = Drawing::new();
+    let (mut y, mut right) = (MARGIN, 0);
     for (index, (rung, plan)) in ladder.rungs.iter().zip(&rungs).enumerate() {
-        y = Frame { project, first, coil, right }.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
+        let frame = Frame::new(project, common.0.max(plan.contacts), common.1.max(plan.coil));
+        right = right.max(frame.right + RAIL);
+        y = frame.rung(&mut drawing, index, rung, plan, y) + RUNG_GAP;
     }
-    let widest = drawing.elements.iter().map(|e| e.area.x + e.area.width).max().unwrap_or(0);
-    drawing.width = drawing.width.max(widest + MARGIN);
+    let comments = drawing.elements.iter().filter(|e| matches!(e.shape, LadderShape::Comment { .. }));
+    let widest = comments.map(|c| c.area.x + c.area.width).max().unwrap_or(0);
+    drawing.width = right.max(widest) + MARGIN;
     drawing.height = y - RUNG_GAP + MARGIN;
     drawing
 }
 
-/// The rows of contacts of a rung and the widths of its columns.
+/// What a rung needs: its rows of contacts and widths.
 struct Plan {
     rows: Vec<Vec<Literal<GlobalId>>>,
+    /// Of each column of contacts.
     columns: Vec<i32>,
+    /// Of all columns of contacts, and of the timer behind them.
+    contacts: i32,
+    /// How far behind the first contact the timer begins, and its width.
+    timer: Option<(i32, i32)>,
+    /// Of the coil.
+    coil: i32,
 }
 
 fn plan(project: &Project, rung: &Rung, branches: Branches) -> Plan {
     debug_assert!(!rung.condition.is_zero(), "a coil that nothing feeds has no rung");
+    let width = |g: GlobalId| text_width(&project.globals[g].name).max(SYMBOL.0) + GAP;
+    let coil = width(rung.coil);
     if rung.condition.is_one() {
-        return Plan { rows: Vec::new(), columns: Vec::new() };
+        return Plan { rows: Vec::new(), columns: Vec::new(), contacts: 0, timer: None, coil };
     }
     let mut rows: Vec<Vec<_>> = rung.condition.products().iter().map(|p| p.literals().to_vec()).collect();
     let series = rows.iter().any(|r| r.len() > 1);
@@ -63,37 +79,54 @@ fn plan(project: &Project, rung: &Rung, branches: Branches) -> Plan {
             row.push(row[0]);
         }
     }
-    let mut columns = Vec::new();
+    let mut columns: Vec<i32> = Vec::new();
     for row in &rows {
         for (i, literal) in row.iter().enumerate() {
-            let width = text_width(&project.globals[literal.atom].name).max(SYMBOL.0) + GAP;
+            let width = width(literal.atom);
             match columns.get_mut(i) {
                 Some(c) => *c = width.max(*c),
                 None => columns.push(width),
             }
         }
     }
-    Plan { rows, columns }
+    let contacts: i32 = columns.iter().sum();
+    let timer = rung
+        .timer
+        .as_ref()
+        .map(|t| (contacts + JUNCTION + text_width(&t.literal()) + 2 * GAP, text_width(&t.instance) + 2 * GAP));
+    let contacts = timer.map_or(contacts, |(x, width)| x + width);
+    Plan { rows, columns, contacts, timer, coil }
 }
 
-/// What all rungs of a drawing share: where the columns stand.
+/// Where the columns of a rung stand.
 struct Frame<'a> {
     project: &'a Project,
     /// Left edge of the first column of contacts.
     first: i32,
-    /// Middle of the coils.
+    /// Where lines of several branches join.
+    join: i32,
+    /// Middle of the coil.
     coil: i32,
     /// Left edge of the right rail.
     right: i32,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    /// For contacts and a coil of these widths.
+    fn new(project: &'a Project, contacts: i32, coil: i32) -> Self {
+        let first = MARGIN + RAIL + JUNCTION;
+        let column = first + contacts + JUNCTION;
+        let right = column + coil + JUNCTION;
+        Frame { project, first, join: column - JUNCTION / 2, coil: column + coil / 2, right }
+    }
+
     /// Draws a rung from `y` downwards and returns where it ends.
     fn rung(&self, drawing: &mut Drawing<LadderShape>, index: usize, rung: &Rung, plan: &Plan, y: i32) -> i32 {
         let comment = comment_area(&rung.comment, y);
         let y = comment.map_or(y, |c| c.y + c.height + LINE / 2);
-        let height = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
+        let rows = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
         let level = y + LINE + SYMBOL.1 / 2;
+        let height = if rung.timer.is_some() { rows.max(LINE + SYMBOL.1 / 2 + TIMER.2) } else { rows };
 
         let area = Rect { x: MARGIN, y, width: RAIL, height };
         let rail = drawing.push(Element {
@@ -117,12 +150,15 @@ impl Frame<'_> {
         let mut row_level = level;
         for row in &plan.rows {
             let (last, from) = self.row(drawing, row, &plan.columns, (rail, start), row_level);
-            let junction = self.coil_column() - JUNCTION / 2;
-            feeds.push(Wire { from: last, path: bend(from, junction, coil.0.left()) });
+            feeds.push(Wire { from: last, path: bend(from, self.join, coil.0.left()) });
             row_level += ROW;
         }
         if feeds.is_empty() {
             feeds.push(Wire { from: rail, path: vec![start, coil.0.left()] });
+        }
+        if let (Some(timer), Some((x, width))) = (&rung.timer, plan.timer) {
+            let top = Point { x: self.first + x, y: level };
+            feeds = vec![draw_timer(drawing, index, timer, feeds, (top, width), coil.0.left())];
         }
         let (area, label) = coil;
         let id =
@@ -160,11 +196,6 @@ impl Frame<'_> {
         (from, start)
     }
 
-    /// Left edge of the column of coils.
-    fn coil_column(&self) -> i32 {
-        2 * self.coil - self.right + JUNCTION
-    }
-
     /// The boxes of a contact or coil at `level` around `x`, and of its name above it.
     fn symbol(&self, x: i32, level: i32, global: GlobalId) -> (Rect, Rect) {
         let (width, height) = SYMBOL;
@@ -173,6 +204,34 @@ impl Frame<'_> {
         let area = Rect { x: x - width / 2, y, width, height };
         (area, Rect { x: x - text / 2, y: y - LINE, width: text, height: LINE })
     }
+}
+
+/// Draws a timer whose upper pins are at the height of `pin`, with its preset time; `feeds`, drawn to
+/// the coil, end at it. Returns the line to the coil.
+fn draw_timer(
+    drawing: &mut Drawing<LadderShape>,
+    rung: usize,
+    timer: &Timer,
+    feeds: Vec<Wire>,
+    (pin, width): (Point, i32),
+    coil: Point,
+) -> Wire {
+    let (above, preset, below) = TIMER;
+    let area = Rect { x: pin.x, y: pin.y - above, width, height: above + below };
+    let text = text_width(&timer.literal()) + GAP;
+    let at = Point { x: pin.x, y: pin.y + preset };
+    let value = Rect { x: pin.x - GAP - text, y: at.y - LINE / 2, width: text, height: LINE };
+    let shape = LadderShape::Preset { rung };
+    let value_id = drawing.push(Element { shape, area: value, label: None, inputs: Vec::new() });
+    let mut inputs = vec![Wire { from: value_id, path: vec![value.right(), at] }];
+    inputs.extend(feeds.into_iter().map(|mut wire| {
+        for point in &mut wire.path {
+            point.x = point.x.min(pin.x);
+        }
+        wire
+    }));
+    let id = drawing.push(Element { shape: LadderShape::Timer { rung }, area, label: None, inputs });
+    Wire { from: id, path: vec![Point { x: pin.x + width, y: pin.y }, coil] }
 }
 
 /// A line from `start` to `end`, which changes its height, if it has to, at `x`.

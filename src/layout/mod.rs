@@ -31,7 +31,8 @@ pub enum Branches {
 /// Distance from the edge of the page.
 const MARGIN: i32 = 40;
 
-/// The width of a line of text.
+/// The width of a name or an expression: text of ASCII only.
 fn text_width(text: &str) -> i32 {
-    i32::try_from(text.chars().count()).unwrap_or(i32::MAX / CHAR / 4) * CHAR
+    debug_assert!(text.is_ascii());
+    i32::try_from(text.len()).expect("names and expressions are shorter than a source file") * CHAR
 }

@@ -7,7 +7,7 @@ use super::context::{Condition, Conditions, Context, origin};
 use super::rungs::{self, rung};
 use crate::ir::chart::{RegionId, StateId, TransitionId};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Ladder, Rung};
+use crate::ir::ladder::{CoilKind, Ladder, Rung, Timer};
 use crate::ir::plc::{GlobalId, Role};
 
 /// From this many transitions out of one step on, their order is a chain of coils: pairwise
@@ -54,6 +54,30 @@ impl Context<'_> {
         let condition = self.done_by_flags(state);
         let id = self.latch(name, text, format!("done({path})"), state, &condition);
         self.conditions.done.insert(state, id);
+        id
+    }
+
+    /// Whether the state has been active for `ms` milliseconds, counted from the first scan that
+    /// began in it: a timer that runs at the start of each scan on the state's flag.
+    pub fn elapsed(&mut self, state: StateId, ms: u32) -> GlobalId {
+        if let Some((id, _)) = self.conditions.elapsed.get(&(state, ms)) {
+            return *id;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state(&format!("After{ms}ms"), state);
+        let instance = self.names.state(&format!("TON{ms}ms"), state);
+        let text = format!("{path} has been active for {ms} ms");
+        let id = self.global(
+            name,
+            Role::Condition,
+            text.clone(),
+            origin(format!("after({path}, {ms}ms)"), self.machine.states[state].span),
+        );
+        self.conditions.elapsed.insert((state, ms), (id, instance.clone()));
+        let flag = Expr::Atom(self.flags[state.index()]);
+        let mut rungs = std::mem::take(&mut self.conditions.timing);
+        rungs::timer(self, &mut rungs, id, Timer { instance, preset: ms }, &flag, text);
+        self.conditions.timing = rungs;
         id
     }
 
@@ -218,11 +242,41 @@ impl Context<'_> {
 pub fn finish(context: &mut Context<'_>) -> Ladder {
     let mut rungs = Vec::new();
     previous_values(context, &mut rungs);
-    let Conditions { latches, enabling, ranking, firing, entering, .. } = std::mem::take(&mut context.conditions);
-    for group in [latches, enabling, ranking, firing, entering] {
+    let restarts = restarts(context);
+    let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
+        std::mem::take(&mut context.conditions);
+    for group in [latches, timing, enabling, ranking, firing, entering, restarts] {
         rungs.extend(group);
     }
     Ladder { rungs }
+}
+
+/// A state that is left and entered again in one scan keeps its flag, so its timers would run on.
+/// They are called once more when it is known who fires, with FALSE if the state starts anew.
+fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
+    let mut rungs = Vec::new();
+    for ((state, ms), (_, instance)) in context.conditions.elapsed.clone() {
+        let by = context.entries.reentering(state).to_vec();
+        if by.is_empty() {
+            continue;
+        }
+        let path = context.machine.state_path(state);
+        let place = origin(format!("after({path}, {ms}ms)"), context.machine.states[state].span);
+        let again = {
+            let name = context.names.state(&format!("Again{ms}ms"), state);
+            let text = format!("{path} is left and entered again");
+            let id = context.global(name, Role::Condition, text.clone(), place.clone());
+            let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(context.fires(t))).collect();
+            rung(context, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
+            id
+        };
+        let name = context.names.state(&format!("Still{ms}ms"), state);
+        let text = format!("{path} has been active for {ms} ms and is not entered again");
+        let coil = context.global(name, Role::Condition, text.clone(), place);
+        let running = Expr::all([Expr::Atom(context.flags[state.index()]), Expr::Atom(again).not()]);
+        rungs::timer(context, &mut rungs, coil, Timer { instance, preset: ms }, &running, text);
+    }
+    rungs
 }
 
 /// Two coils per input whose past is read: what it was, and what it is for the next scan. In the

@@ -37,12 +37,15 @@ pub struct Conditions {
     pub previous: BTreeMap<usize, GlobalId>,
     pub active: BTreeMap<StateId, GlobalId>,
     pub done: BTreeMap<StateId, GlobalId>,
+    /// For each state and time, the condition and the timer's name.
+    pub elapsed: BTreeMap<(StateId, u32), (GlobalId, String)>,
     pub enabled: BTreeMap<TransitionId, GlobalId>,
     pub overruled: BTreeMap<RegionId, Option<GlobalId>>,
     pub fires: BTreeMap<TransitionId, GlobalId>,
     pub before: BTreeMap<TransitionId, GlobalId>,
     pub entered: BTreeMap<StateId, GlobalId>,
     pub latches: Vec<Rung>,
+    pub timing: Vec<Rung>,
     pub enabling: Vec<Rung>,
     pub ranking: Vec<Rung>,
     pub firing: Vec<Rung>,
@@ -129,6 +132,7 @@ impl<'m> Context<'m> {
             Atom::In(s) if own == Some(self.machine.states[s].region) => Expr::Atom(self.flags[s.index()]),
             Atom::In(s) => Expr::Atom(self.active(s)),
             Atom::Done(s) => Expr::Atom(self.done(s)),
+            Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
             other => self.value(other),
         })
     }
@@ -150,7 +154,9 @@ impl<'m> Context<'m> {
             Atom::PrevInput(i) => self.previous(i.index()),
             Atom::PrevOutput(o) => self.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
-            Atom::Output(_) | Atom::In(_) | Atom::Done(_) => unreachable!("{atom:?} depends on where it is read"),
+            Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+                unreachable!("{atom:?} depends on where it is read")
+            }
         })
     }
 

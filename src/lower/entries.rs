@@ -20,13 +20,18 @@ pub struct Entry {
 pub struct Entries {
     of: Vec<BTreeMap<StateId, Entry>>,
     told: Vec<bool>,
+    /// For each state, the transitions that enter it and may find it active.
+    again: BTreeMap<StateId, Vec<TransitionId>>,
 }
 
 impl Entries {
     /// Walks all transitions.
     pub fn of(machine: &Machine) -> Entries {
-        let mut entries =
-            Entries { of: vec![BTreeMap::new(); machine.regions.len()], told: vec![false; machine.transitions.len()] };
+        let mut entries = Entries {
+            of: vec![BTreeMap::new(); machine.regions.len()],
+            told: vec![false; machine.transitions.len()],
+            again: BTreeMap::new(),
+        };
         for (id, t) in machine.transitions.iter() {
             let reenters = machine.child_in(t.scope, t.source) == machine.child_in(t.scope, t.target);
             let mut path: Vec<StateId> =
@@ -41,6 +46,7 @@ impl Entries {
             if reenters {
                 // By default, but told so: what is beside the path and what is inside the target.
                 let top = machine.child_in(t.scope, t.target).expect("the scope holds the target");
+                entries.again.entry(top).or_default().push(id);
                 for &state in std::iter::once(&top).chain(&path) {
                     for &region in &machine.states[state].regions {
                         if machine.child_in(region, t.target).is_none() {
@@ -63,11 +69,19 @@ impl Entries {
         self.told[transition.index()]
     }
 
+    /// The transitions that enter the state and may find it active.
+    pub fn reentering(&self, state: StateId) -> &[TransitionId] {
+        self.again.get(&state).map(Vec::as_slice).unwrap_or_default()
+    }
+
     fn add(&mut self, region: RegionId, state: StateId, by: TransitionId, reenters: bool) {
         let entry = self.of[region.index()].entry(state).or_default();
         entry.by.push(by);
         entry.reenters |= reenters;
         self.told[by.index()] = true;
+        if reenters {
+            self.again.entry(state).or_default().push(by);
+        }
     }
 
     fn by_default(&mut self, machine: &Machine, region: RegionId, by: TransitionId) {

@@ -2,7 +2,7 @@
 
 use super::context::{Condition, Context};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Rung};
+use crate::ir::ladder::{CoilKind, Rung, Timer};
 use crate::ir::plc::{GlobalId, Origin};
 use crate::ir::sop::{Literal, Product, Sum};
 
@@ -23,7 +23,24 @@ pub fn rung(
     let sum = writer.sum(condition, false);
     if !sum.is_zero() {
         let origin = context.globals[coil].origin.clone();
-        rungs.push(Rung { comment, condition: sum, coil, kind, origin });
+        rungs.push(Rung { comment, condition: sum, timer: None, coil, kind, origin });
+    }
+}
+
+/// Appends a rung with a timer, whose condition is one product.
+pub fn timer(
+    context: &mut Context<'_>,
+    rungs: &mut Vec<Rung>,
+    coil: GlobalId,
+    timer: Timer,
+    condition: &Condition,
+    comment: String,
+) {
+    let before = rungs.len();
+    rung(context, rungs, (coil, CoilKind::Plain), condition, comment);
+    debug_assert_eq!(rungs.len(), before + 1, "a product needs no auxiliary coil and is not FALSE");
+    if let Some(rung) = rungs.last_mut() {
+        rung.timer = Some(timer);
     }
 }
 
@@ -105,7 +122,14 @@ impl Writer<'_, '_> {
         let name = whole.name.clone();
         let name = self.context.names.give(&format!("Part{}", self.parts), &name);
         let coil = self.context.global(name, role, description.clone(), origin.clone());
-        self.rungs.push(Rung { comment: description, condition: sum, coil, kind: CoilKind::Plain, origin });
+        self.rungs.push(Rung {
+            comment: description,
+            condition: sum,
+            timer: None,
+            coil,
+            kind: CoilKind::Plain,
+            origin,
+        });
         literal(coil, false)
     }
 }

@@ -30,7 +30,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         match p.as_rule() {
             Rule::name => tree.name = name(p),
             Rule::text => tree.description = Some(text(p)),
-            Rule::cycle => tree.cycles.push(cycle(p)),
+            Rule::cycle => tree.cycles.push(duration(p)),
             Rule::inputs => entries(p, bad, &mut tree.inputs, signal),
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
@@ -74,14 +74,15 @@ fn entries<'i, T>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<T>, build
     }
 }
 
-fn cycle(p: Pair<'_, Rule>) -> Cycle {
-    let duration = p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a cycle has a duration");
+/// The duration that stands in `p`.
+fn duration(p: Pair<'_, Rule>) -> Duration {
+    let duration = p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here");
     let span = span(&duration);
     let mut parts = duration.into_inner();
     let value = parts.next().as_ref().and_then(number);
     let seconds = parts.next().is_some_and(|u| u.as_str() == "s");
     let milliseconds = value.and_then(|v| v.checked_mul(if seconds { 1000 } else { 1 }));
-    Cycle { milliseconds, span }
+    Duration { milliseconds, span }
 }
 
 fn signal(p: Pair<'_, Rule>) -> Signal {
@@ -437,6 +438,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),
+        Rule::elapsed => Expr::Atom(Term::After(duration(inner))),
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
             let mut parts = inner.into_inner();

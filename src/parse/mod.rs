@@ -27,11 +27,8 @@ mod grammar {
 /// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped) within the size limit.
 pub fn decode(bytes: Vec<u8>) -> Result<String, Diagnostic> {
     if bytes.len() > limits::SOURCE_BYTES {
-        return Err(Diagnostic::new(
-            Code::TooLarge,
-            format!("the file has {} bytes; at most {} are taken", bytes.len(), limits::SOURCE_BYTES),
-        )
-        .help("describe one machine per file"));
+        return Err(Diagnostic::new(Code::TooLarge, format!("the file has more than {} bytes", limits::SOURCE_BYTES))
+            .help("describe one machine per file"));
     }
     match String::from_utf8(bytes) {
         Ok(text) => Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)),
@@ -70,9 +67,10 @@ pub fn parse(source: &str) -> (Option<ast::Machine>, Diagnostics) {
         // Each caught slice is well-formed alone: what follows the first one does not fit.
         let end = slice.as_span().end();
         let rest = source[end..].len() - source[end..].trim_start().len();
+        let first = source[end + rest..].chars().next().map_or(0, char::len_utf8);
         diagnostics.push(
             Diagnostic::new(Code::Syntax, "this cannot follow what stands before it")
-                .label(Span::new(end + rest, (end + rest + 1).min(source.len())), "unexpected"),
+                .label(Span::new(end + rest, end + rest + first), "unexpected"),
         );
     }
     diagnostics.sort();

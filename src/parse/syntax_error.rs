@@ -83,7 +83,7 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::mode => "a filter mode such as `supervisor`".into(),
         Rule::technology => "`bistable`, `monostable` or `onoff`".into(),
         Rule::expression | Rule::exclusive | Rule::conjunction | Rule::negation | Rule::primary => "a condition".into(),
-        Rule::call | Rule::function => return None,
+        Rule::call | Rule::function | Rule::elapsed => return None,
         Rule::source => "a state or `any`".into(),
         Rule::effect => "`set` or `reset`".into(),
         Rule::body | Rule::outer_body => "`{`".into(),

@@ -4,10 +4,19 @@
 //! It is written from the meaning of a [`Machine`], which stands at the head of
 //! [`chart`](crate::ir::chart), and shares nothing with [`lower`](crate::lower): what a compiled program
 //! is compared with must not have been made by the same hands.
+//!
+//! # Time
+//!
+//! `after(S, T)` compares a clock with the moment of the first scan that began in S. What matters of
+//! that are three things: whether this is that first scan (then no time has passed), whether the time
+//! had passed in an earlier scan already, and whether it passes now. The first two are remembered; the
+//! last one is a literal that is given for each scan, so that all courses of time are covered, those of
+//! a late scan included.
 
 use super::aig::{Aig, Lit};
 use super::chart_filter;
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +29,10 @@ pub struct ChartState {
     pub inputs: Vec<Lit>,
     /// For each output, what the filter let through in the last scan.
     pub outputs: Vec<Lit>,
+    /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
+    pub fresh: Vec<Lit>,
+    /// For each timer, whether its state is active and its time had passed in the last scan.
+    pub past: Vec<Lit>,
 }
 
 /// What happens in one scan.
@@ -35,6 +48,8 @@ pub struct ChartScan {
     pub acted: Vec<Lit>,
     /// For each assumption, whether the plant breaks it.
     pub broken: Vec<Lit>,
+    /// For each timer, whether this is the first scan that began in its state.
+    pub begins: Vec<Lit>,
 }
 
 /// What the scans of one machine share.
@@ -42,6 +57,7 @@ pub struct ChartStep<'m> {
     machine: &'m Machine,
     /// For each region, its transitions in the order in which they are tried.
     scoped: Vec<Vec<TransitionId>>,
+    timers: BTreeMap<(StateId, u32), usize>,
     rounds: usize,
 }
 
@@ -49,7 +65,21 @@ impl<'m> ChartStep<'m> {
     /// `rounds` is the number of rounds after which the filter is known to be at rest, see
     /// [`chart_filter::rounds`].
     pub fn new(machine: &'m Machine, rounds: usize) -> Self {
-        ChartStep { machine, scoped: machine.scoped(), rounds }
+        let mut timers = BTreeMap::new();
+        for t in machine.transitions.values() {
+            t.guard.for_each_atom(&mut |atom| {
+                if let Atom::After(s, ms) = *atom {
+                    timers.insert((s, ms), 0);
+                }
+            });
+        }
+        timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
+        ChartStep { machine, scoped: machine.scoped(), timers, rounds }
+    }
+
+    /// The states and times in milliseconds that guards ask for, each once.
+    pub fn timers(&self) -> impl ExactSizeIterator<Item = (StateId, u32)> + '_ {
+        self.timers.keys().copied()
     }
 
     /// The first scan after power-up: the initial states are entered, no transition fires, inputs
@@ -61,23 +91,31 @@ impl<'m> ChartStep<'m> {
             variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.to_vec(),
             outputs: vec![Lit::FALSE; m.outputs.len()],
+            fresh: vec![Lit::FALSE; self.timers.len()],
+            past: vec![Lit::FALSE; self.timers.len()],
         };
+        let elapsed = vec![Lit::FALSE; self.timers.len()];
         let fires = vec![Lit::FALSE; m.transitions.len()];
-        let active = self.configuration(aig, &before.active, &fires, Lit::TRUE);
-        self.rest(aig, &before, inputs, fires, active)
+        self.rest(aig, &before, inputs, fires, &elapsed, Lit::TRUE)
     }
 
-    /// Any later scan.
-    pub fn scan(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit]) -> ChartScan {
-        let fires = self.fires(aig, before, inputs);
-        let active = self.configuration(aig, &before.active, &fires, Lit::FALSE);
-        self.rest(aig, before, inputs, fires, active)
+    /// Any later scan. `clocks` says for each timer whether its time has passed by now, if it runs.
+    pub fn scan(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], clocks: &[Lit]) -> ChartScan {
+        let mut elapsed = Vec::new();
+        for ((s, _), &i) in &self.timers {
+            let passed = aig.or(before.past[i], clocks[i]);
+            let waits = aig.and(before.active[s.index()], !before.fresh[i]);
+            elapsed.push(aig.and(waits, passed));
+        }
+        let fires = self.fires(aig, before, inputs, &elapsed);
+        self.rest(aig, before, inputs, fires, &elapsed, Lit::FALSE)
     }
 
     /// Which transitions fire.
-    fn fires(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit]) -> Vec<Lit> {
+    fn fires(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], elapsed: &[Lit]) -> Vec<Lit> {
         let m = self.machine;
-        let reading = Reading { machine: m, active: &before.active, variables: &before.variables, inputs, before };
+        let reading =
+            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
         let mut fires = vec![Lit::FALSE; m.transitions.len()];
         // For each state, whether it is active and a transition further out takes it away or a
         // transition of its own region leaves it: either way nothing inside it moves.
@@ -87,7 +125,7 @@ impl<'m> ChartStep<'m> {
             // Of two transitions only those out of the same state of the region can be enabled
             // together, so each state has its own order.
             let mut tried = vec![Lit::FALSE; region.states.len()];
-            let place: std::collections::HashMap<StateId, usize> =
+            let place: HashMap<StateId, usize> =
                 region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
             for &t in &self.scoped[id.index()] {
                 let transition = &m.transitions[t];
@@ -106,9 +144,9 @@ impl<'m> ChartStep<'m> {
         fires
     }
 
-    /// Which states are active after the transitions that fire; with `start` the outermost regions
-    /// are entered.
-    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> Vec<Lit> {
+    /// Which states are active after the transitions that fire, and which of them have been entered;
+    /// with `start` the outermost regions are.
+    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> (Vec<Lit>, Vec<Lit>) {
         let m = self.machine;
         // For each state, who leaves it as a state of the transition's scope, and who names it on the
         // way down to the target.
@@ -147,7 +185,7 @@ impl<'m> ChartStep<'m> {
                 active[i] = aig.or(stays, entered[i]);
             }
         }
-        active
+        (active, entered)
     }
 
     /// Everything after the transitions.
@@ -157,9 +195,11 @@ impl<'m> ChartStep<'m> {
         before: &ChartState,
         inputs: &[Lit],
         fires: Vec<Lit>,
-        active: Vec<Lit>,
+        elapsed: &[Lit],
+        start: Lit,
     ) -> ChartScan {
         let m = self.machine;
+        let (active, entered) = self.configuration(aig, &before.active, &fires, start);
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         for (id, t) in m.transitions.iter() {
             for &(v, value) in &t.effects {
@@ -169,7 +209,7 @@ impl<'m> ChartStep<'m> {
         let variables = write(aig, &before.variables, &writes);
 
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
-        let reading = Reading { machine: m, active: &active, variables: &variables, inputs, before };
+        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
         for (id, state) in m.states.iter() {
             for action in &state.actions {
                 let condition = reading.guard(aig, &action.condition);
@@ -179,7 +219,7 @@ impl<'m> ChartStep<'m> {
         }
         let variables = write(aig, &variables, &writes);
 
-        let reading = Reading { machine: m, active: &active, variables: &variables, inputs, before };
+        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
         let mut drives = vec![Vec::new(); m.outputs.len()];
         for (id, state) in m.states.iter() {
             for drive in &state.drives {
@@ -192,13 +232,16 @@ impl<'m> ChartStep<'m> {
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
         let filtered = chart_filter::filter(aig, m, &commands, &mut read, self.rounds);
-        ChartScan {
-            after: ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs },
-            fires,
-            commands,
-            acted: filtered.acted,
-            broken,
+        let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
+        for ((s, _), &i) in &self.timers {
+            fresh.push(entered[s.index()]);
+            let stays = aig.and(active[s.index()], !entered[s.index()]);
+            past.push(aig.and(stays, elapsed[i]));
+            begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
+        let after =
+            ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }
 
@@ -215,11 +258,12 @@ fn write(aig: &mut Aig, before: &[Lit], writes: &[[Vec<Lit>; 2]]) -> Vec<Lit> {
 
 /// Where an expression is read: before or after the step.
 struct Reading<'a> {
-    machine: &'a Machine,
+    step: &'a ChartStep<'a>,
     active: &'a [Lit],
     variables: &'a [Lit],
     inputs: &'a [Lit],
     before: &'a ChartState,
+    elapsed: &'a [Lit],
 }
 
 impl Reading<'_> {
@@ -235,17 +279,19 @@ impl Reading<'_> {
             Atom::PrevOutput(o) => self.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::In(s) => self.active[s.index()],
+            Atom::After(s, ms) => self.elapsed[self.step.timers[&(s, ms)]],
             Atom::Done(s) => {
                 let regions: Vec<Lit> =
-                    self.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
+                    self.step.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
                 aig.all(&regions)
             }
         }
     }
 
     fn ended(&self, aig: &mut Aig, region: RegionId) -> Lit {
-        let states = self.machine.regions[region].states.iter();
-        let last = states.filter(|&&s| self.machine.states[s].kind == StateKind::Final);
+        let machine = self.step.machine;
+        let states = machine.regions[region].states.iter();
+        let last = states.filter(|&&s| machine.states[s].kind == StateKind::Final);
         let last: Vec<Lit> = last.map(|s| self.active[s.index()]).collect();
         aig.any(&last)
     }

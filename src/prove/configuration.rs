@@ -12,8 +12,9 @@ use super::aig::{Aig, Lit};
 use super::chart_step::ChartState;
 use crate::ir::chart::{Machine, RegionId, StateId};
 
-/// A state of memory about which nothing is known but that its configuration is one.
-pub fn any(aig: &mut Aig, machine: &Machine) -> ChartState {
+/// A state of memory about which nothing is known but that its configuration is one, and that no time
+/// has passed in a state that has just been entered.
+pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (StateId, u32)>) -> ChartState {
     let mut active = vec![Lit::FALSE; machine.states.len()];
     for (id, region) in machine.regions.iter() {
         let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
@@ -21,8 +22,17 @@ pub fn any(aig: &mut Aig, machine: &Machine) -> ChartState {
         let mut bits = Vec::new();
         decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
     }
+    let (mut fresh, mut past) = (Vec::new(), Vec::new());
+    for (s, ms) in timers {
+        let path = machine.state_path(s);
+        fresh.push(aig.leaf(format!("{path} is fresh")));
+        let passed = aig.leaf(format!("{path} lasts {ms} ms"));
+        past.push(aig.and(passed, !fresh[fresh.len() - 1]));
+    }
     ChartState {
         active,
+        fresh,
+        past,
         variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
         inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
         outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),

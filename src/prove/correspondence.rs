@@ -5,7 +5,7 @@
 //! program: that the variable of this name does hold what the machine says is what is to be proved.
 
 use crate::base::Span;
-use crate::ir::chart::Machine;
+use crate::ir::chart::{Machine, StateId};
 use crate::ir::plc::{Body, Project, Role};
 use std::collections::BTreeMap;
 
@@ -29,6 +29,9 @@ pub struct Correspondence {
     pub acted: Vec<Option<String>>,
     /// The global for each assumption that is TRUE when the plant breaks it.
     pub broken: Vec<Option<String>>,
+    /// For each state and time in milliseconds that a guard waits for, the instance of the program that
+    /// holds its timer, and the timer.
+    pub timers: BTreeMap<(StateId, u32), (String, String)>,
 }
 
 impl Correspondence {
@@ -44,6 +47,8 @@ impl Correspondence {
         let find = |role: Role, span: Span| names.get(&(rank(role), span)).map(|n| n.to_string());
         let or_own = |role: Role, span: Span, own: &str| find(role, span).unwrap_or_else(|| own.to_owned());
 
+        let by_span: BTreeMap<Span, StateId> = machine.states.iter().map(|(id, s)| (s.span, id)).collect();
+        let mut timers = BTreeMap::new();
         let mut step_of: BTreeMap<&str, (String, String)> = BTreeMap::new();
         for program in &project.programs {
             match &program.body {
@@ -55,7 +60,15 @@ impl Correspondence {
                         }
                     }
                 }
-                Body::Ladder(_) => {}
+                Body::Ladder(ladder) => {
+                    for rung in &ladder.rungs {
+                        let state = rung.origin.span.and_then(|span| by_span.get(&span));
+                        if let (Some(timer), Some(&state)) = (&rung.timer, state) {
+                            let place = (program.instance.clone(), timer.instance.clone());
+                            timers.insert((state, timer.preset), place);
+                        }
+                    }
+                }
             }
         }
         let flags: Vec<String> =
@@ -69,6 +82,7 @@ impl Correspondence {
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
             acted: machine.safety.constraints.values().map(|c| find(Role::Alarm, c.span)).collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),
+            timers,
         }
     }
 }

@@ -24,14 +24,18 @@ use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
 use super::induction::{self, Claim, Count, Failure, Situation};
 use super::joint::Joint;
-use super::parts::Match;
+use super::matching::{Match, Pair};
 use super::program_step::ProgramStep;
 use super::sat::{self, Sat};
 use super::search::{self, search};
 use super::trace::Trace;
 use crate::ir::chart::Machine;
 use crate::ir::iec::Project;
+use std::collections::BTreeSet;
 use std::fmt;
+
+/// How many scans back the induction looks before it gives up.
+const HISTORY: usize = 2;
 
 /// What came of the proof.
 #[derive(Clone, Debug)]
@@ -53,6 +57,8 @@ pub struct Statistics {
     pub latches: usize,
     /// Latches whose meaning is known by construction or was found.
     pub meanings: usize,
+    /// How many scans back the induction had to look: 0 unless the program is written unusually.
+    pub history: usize,
     /// Rounds after which the filter was proved to be at rest.
     pub rounds: usize,
     /// Claims about the first scan.
@@ -123,27 +129,69 @@ fn attempt(
     let rounds = chart_filter::rounds(machine, &mut sat).ok_or("the rounds of the filter could not be counted")?;
     let chart = ChartStep::new(machine, rounds);
     let program = ProgramStep::new(project)?;
-    let mut matched = Match::of(machine, names, project, &program)?;
-    while induction::guess(machine, &chart, &program, &mut matched) > 0 {}
+    let pair = Pair { machine, chart: &chart, program: &program };
+    let mut matched = Match::of(pair, names, project)?;
+    let mut hopeless = BTreeSet::new();
+    let mut joint = None;
 
-    let (base, mut failures) = induction::base(machine, &chart, &program, &matched, &mut sat);
-    let (step, later) = induction::step(machine, &chart, &program, &matched, &mut sat);
-    failures.extend(later);
-    if failures.is_empty() {
-        return Ok(Verdict::Proved(Statistics {
-            states: machine.states.len(),
-            latches: program.latches().len(),
-            meanings: matched.meanings.iter().flatten().count(),
-            rounds,
-            base,
-            step,
-            effort: sat.effort(),
-        }));
+    let mut history = 0;
+    let mut failures = loop {
+        while induction::guess(pair, &mut matched, &hopeless) > 0 {}
+        let (base, mut failures) = induction::base(pair, &matched, history + 1, &mut sat);
+        if failures.is_empty() {
+            let (step, later) = induction::step(pair, &matched, history, &mut sat);
+            failures = later;
+            if failures.is_empty() && matched.missing.is_empty() {
+                let meanings = matched.meanings.iter().flatten().count();
+                let (states, latches) = (machine.states.len(), program.latches().len());
+                let effort = sat.effort();
+                return Ok(Verdict::Proved(Statistics {
+                    states,
+                    latches,
+                    meanings,
+                    rounds,
+                    history,
+                    base,
+                    step,
+                    effort,
+                }));
+            }
+        }
+        // Before more is asked of the proof: is it wrong? Most errors show soon.
+        if joint.is_none() {
+            let both = Joint::new(pair, &matched);
+            if let Some(stimuli) = search(&both, &mut sat, search::Effort::FIRST) {
+                return Ok(Verdict::Refuted(Box::new(Trace::of(pair, &matched, &both, &stimuli))));
+            }
+            joint = Some(both);
+        }
+        if !matched.missing.is_empty() {
+            break failures;
+        }
+        // A wrong guess says nothing about the program.
+        let wrong: Vec<usize> = failures.iter().filter_map(|f| f.claim.guess(&matched)).collect();
+        if !wrong.is_empty() {
+            for latch in wrong {
+                matched.meanings[latch] = None;
+                matched.guessed[latch] = false;
+                hopeless.insert(latch);
+            }
+        } else if history < HISTORY {
+            history += 1;
+        } else {
+            break failures;
+        }
+    };
+    if let Some(both) = &joint
+        && let Some(stimuli) = search(both, &mut sat, effort)
+    {
+        return Ok(Verdict::Refuted(Box::new(Trace::of(pair, &matched, both, &stimuli))));
     }
-    let joint = Joint::new(machine, &chart, &program, &matched);
-    if let Some(inputs) = search(&joint, &mut sat, effort) {
-        return Ok(Verdict::Refuted(Box::new(Trace::of(machine, &program, &matched, &joint, &inputs))));
+    if let Some(missing) = matched.missing.into_iter().next() {
+        return Err(missing);
     }
+    // Those that the solver gave up on say less.
+    failures.sort_by_key(|f| f.from.is_none());
     Ok(Verdict::Unknown(Box::new(doubt(machine, &program, &failures))))
 }
 
@@ -152,6 +200,7 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
         Claim::Configuration(region) => {
             format!("that region {} has one active state", machine.region_path(region))
         }
+        Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
         Claim::Part(part, latch) => {
             format!("that {} is {}", program.name(program.latches()[latch]), part.describe(machine))
         }
@@ -159,13 +208,14 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
             format!("that {} is {}", program.name(program.latches()[latch]), meaning.describe(machine))
         }
     };
-    match failures.iter().find_map(|f| Some((f.claim, f.from.as_ref()?))) {
-        Some((claim, from)) => Doubt::NotInductive {
-            text: format!("not inductive: {} fails from {}", says(claim), describe(machine, from)),
+    let first = &failures[0];
+    match &first.from {
+        Some(from) => Doubt::NotInductive {
+            text: format!("not inductive: {} fails from {}", says(first.claim), describe(machine, from)),
             failed: failures.len(),
         },
         None => {
-            Doubt::GaveUp { text: format!("the solver gave up on {}", says(failures[0].claim)), failed: failures.len() }
+            Doubt::GaveUp { text: format!("the solver gave up on {}", says(first.claim)), failed: failures.len() }
         }
     }
 }

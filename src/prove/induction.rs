@@ -8,14 +8,15 @@
 //! the chart's literal, so that no later question has to prove it again.
 
 use super::aig::{Aig, Lit, lanes};
-use super::chart_step::{ChartScan, ChartState, ChartStep};
+use super::chart_step::{ChartScan, ChartState};
 use super::configuration;
-use super::parts::{Match, Meaning, Part};
+use super::matching::{Match, Pair};
+use super::parts::{Meaning, Part};
 use super::program_step::{ProgramState, ProgramStep};
 use super::random::Random;
 use super::sat::{Answer, Budget, Model, Sat};
-use crate::ir::chart::{Machine, RegionId};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use crate::ir::chart::RegionId;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// How many words of 64 random assignments are tried before a solver is asked.
 const WORDS: usize = 4;
@@ -25,6 +26,8 @@ const WORDS: usize = 4;
 pub enum Claim {
     /// After the scan, in this region exactly one state is active, or none if its parent is not.
     Configuration(RegionId),
+    /// After the scan, the state of this timer has not both been entered and lasted for its time.
+    Clock(usize),
     /// After the scan, the latch holds this part.
     Part(Part, usize),
     /// After the scan, the latch holds this for the next one.
@@ -68,62 +71,60 @@ pub struct Count {
     pub nodes: usize,
 }
 
-/// Both sides, encoded into one graph.
+/// Chart and program before a scan, and the chart after it, in one graph.
 struct Both<'a> {
+    pair: Pair<'a>,
     aig: Aig,
     before: ChartState,
     inputs: Vec<Lit>,
+    clocks: Vec<Lit>,
     chart: ChartScan,
     program: ProgramState,
-    machine: &'a Machine,
+    /// What has been assumed on the way here.
+    given: Lit,
 }
 
-/// The first scan: everything is what it is at power-up.
-pub fn base(
-    machine: &Machine,
-    chart: &ChartStep<'_>,
-    program: &ProgramStep<'_>,
-    matched: &Match,
-    sat: &mut Sat,
-) -> (Count, Vec<Failure>) {
-    let mut aig = Aig::new();
-    let inputs: Vec<Lit> = machine.inputs.values().map(|i| aig.leaf(&i.name)).collect();
-    let scan = chart.first(&mut aig, &inputs);
-    let before = ChartState {
-        active: vec![Lit::FALSE; machine.states.len()],
-        variables: machine.variables.values().map(|v| Lit::of(v.initial)).collect(),
-        inputs: inputs.clone(),
-        outputs: vec![Lit::FALSE; machine.outputs.len()],
-    };
-    Both { aig, before, inputs, chart: scan, program: program.power_up(), machine }.examine(program, matched, sat)
+/// The first `scans` scans: everything is what it is at power-up.
+pub fn base(pair: Pair<'_>, matched: &Match, scans: usize, sat: &mut Sat) -> (Count, Vec<Failure>) {
+    let mut both = Both::power_up(pair);
+    let mut compare = Compare::new(sat);
+    let mut failures = Vec::new();
+    for scan in 1..=scans {
+        let (state, found) = both.examine(matched, &mut compare);
+        failures.extend(found);
+        if scan < scans {
+            both = both.next(state);
+        }
+    }
+    compare.count.nodes = both.aig.len();
+    (compare.count, failures)
 }
 
-/// Any later scan, from every configuration and every value of all that is remembered.
-pub fn step(
-    machine: &Machine,
-    chart: &ChartStep<'_>,
-    program: &ProgramStep<'_>,
-    matched: &Match,
-    sat: &mut Sat,
-) -> (Count, Vec<Failure>) {
-    Both::assumed(machine, chart, program, matched).examine(program, matched, sat)
+/// Any later scan, from every configuration and every value of all that is remembered, if the claims
+/// have held in as many scans before it as `history` says.
+pub fn step(pair: Pair<'_>, matched: &Match, history: usize, sat: &mut Sat) -> (Count, Vec<Failure>) {
+    let mut both = Both::anywhere(pair, matched);
+    for _ in 0..history {
+        let state = both.presume(matched);
+        both = both.next(state);
+    }
+    let mut compare = Compare::new(sat);
+    let (_, failures) = both.examine(matched, &mut compare);
+    compare.count.nodes = both.aig.len();
+    (compare.count, failures)
 }
 
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
 /// known by construction; returns how many were found. What is found is a guess and becomes a claim.
-pub fn guess(
-    machine: &Machine,
-    chart: &ChartStep<'_>,
-    program: &ProgramStep<'_>,
-    matched: &mut Match,
-) -> usize {
-    let mut both = Both::assumed(machine, chart, program, matched);
-    let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(both.inputs.iter().copied()).collect();
-    let after = program.scan(&mut both.aig, &both.program, &inputs, &mut |_, _, _| {});
-    let claimed: Vec<Lit> = claims(program, matched).iter().map(|c| after[c.latch()]).collect();
+/// Latches that `hopeless` names are left alone.
+pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) -> usize {
+    let mut both = Both::anywhere(pair, matched);
+    let before = both.program.clone();
+    let after = both.run(matched, &mut |_, _, _| {});
+    let claimed: Vec<Lit> = claims(pair.program, matched).iter().map(|c| after[c.latch()]).collect();
     let unknown: BTreeMap<usize, usize> = (0..matched.meanings.len())
-        .filter(|&l| matched.meanings[l].is_none())
-        .map(|l| (both.program[l].node(), l))
+        .filter(|l| matched.meanings[*l].is_none() && !hopeless.contains(l))
+        .map(|l| (before[l].node(), l))
         .collect();
     let mut matter: Vec<usize> =
         both.aig.cone(&claimed).into_iter().filter_map(|n| unknown.get(&n).copied()).collect();
@@ -132,7 +133,7 @@ pub fn guess(
     let mut by_structure: HashMap<Lit, Meaning> = HashMap::new();
     let mut by_values: HashMap<[u64; WORDS], Meaning> = HashMap::new();
     let samples = samples(&both.aig);
-    for meaning in Meaning::all(machine) {
+    for meaning in Meaning::all(pair.machine) {
         for meaning in [meaning, meaning.opposite()] {
             let lit = meaning.of(&both.chart.after);
             by_structure.entry(lit).or_insert(meaning);
@@ -152,6 +153,7 @@ pub fn guess(
                 .copied(),
         };
         found += usize::from(meaning.is_some());
+        matched.guessed[latch] = meaning.is_some();
         matched.meanings[latch] = meaning;
     }
     found
@@ -162,7 +164,24 @@ impl Claim {
     fn latch(&self) -> usize {
         match self {
             Claim::Part(_, latch) | Claim::Memory(_, latch) => *latch,
-            Claim::Configuration(_) => unreachable!("it is about the chart alone"),
+            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+        }
+    }
+
+    /// The latch, if the claim is only a guess about it.
+    pub fn guess(&self, matched: &Match) -> Option<usize> {
+        match self {
+            Claim::Memory(_, latch) if matched.guessed[*latch] => Some(*latch),
+            Claim::Memory(..) | Claim::Part(..) | Claim::Configuration(_) | Claim::Clock(_) => None,
+        }
+    }
+
+    /// What the latch should hold, and when.
+    fn expects(&self, chart: &ChartScan) -> (Lit, Lit) {
+        match self {
+            Claim::Part(part, _) => (part.after(chart), Lit::TRUE),
+            Claim::Memory(meaning, _) => (meaning.of(&chart.after), meaning.matters(&chart.after)),
+            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
         }
     }
 }
@@ -186,69 +205,135 @@ fn claims(program: &ProgramStep<'_>, matched: &Match) -> Vec<Claim> {
 }
 
 impl<'a> Both<'a> {
-    fn assumed(
-        machine: &'a Machine,
-        chart: &ChartStep<'_>,
-        program: &ProgramStep<'_>,
-        matched: &Match,
-    ) -> Both<'a> {
+    fn power_up(pair: Pair<'a>) -> Both<'a> {
         let mut aig = Aig::new();
-        let before = configuration::any(&mut aig, machine);
-        let inputs: Vec<Lit> = machine.inputs.values().map(|i| aig.leaf(&i.name)).collect();
-        let scan = chart.scan(&mut aig, &before, &inputs);
-        let latches = program.latches().iter().zip(&matched.meanings);
-        let state = latches.map(|(latch, meaning)| match meaning {
-            Some(meaning) => meaning.of(&before),
-            None => aig.leaf(program.name(*latch)),
-        });
-        let state = state.collect();
-        Both { aig, before, inputs, chart: scan, program: state, machine }
+        let inputs = leaves(&mut aig, pair);
+        let chart = pair.chart.first(&mut aig, &inputs);
+        let none = |n: usize| vec![Lit::FALSE; n];
+        let timers = pair.chart.timers().len();
+        let before = ChartState {
+            active: none(pair.machine.states.len()),
+            variables: pair.machine.variables.values().map(|v| Lit::of(v.initial)).collect(),
+            inputs: inputs.clone(),
+            outputs: none(pair.machine.outputs.len()),
+            fresh: none(timers),
+            past: none(timers),
+        };
+        let program = pair.program.power_up();
+        Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }
     }
 
-    fn examine(mut self, program: &ProgramStep<'_>, matched: &Match, sat: &mut Sat) -> (Count, Vec<Failure>) {
-        let mut count = Count::default();
+    fn anywhere(pair: Pair<'a>, matched: &Match) -> Both<'a> {
+        let mut aig = Aig::new();
+        let before = configuration::any(&mut aig, pair.machine, pair.chart.timers());
+        let mut program = Vec::new();
+        for (&latch, meaning) in pair.program.latches().iter().zip(&matched.meanings) {
+            let value = meaning.map_or((Lit::FALSE, Lit::FALSE), |m| (m.of(&before), m.matters(&before)));
+            program.push(match value {
+                (value, Lit::TRUE) => value,
+                (value, matters) => {
+                    let anything = aig.leaf(pair.program.name(latch));
+                    aig.select(matters, value, anything)
+                }
+            });
+        }
+        Both::before(pair, aig, before, program, Lit::TRUE)
+    }
+
+    /// A later scan from what is remembered.
+    fn before(pair: Pair<'a>, mut aig: Aig, before: ChartState, program: ProgramState, given: Lit) -> Both<'a> {
+        let inputs = leaves(&mut aig, pair);
+        let clock = |(s, ms)| aig.leaf(format!("{} for {ms} ms", pair.machine.state_path(s)));
+        let clocks: Vec<Lit> = pair.chart.timers().map(clock).collect();
+        let chart = pair.chart.scan(&mut aig, &before, &inputs, &clocks);
+        Both { pair, aig, before, inputs, clocks, chart, program, given }
+    }
+
+    /// The scan after this one.
+    fn next(self, program: ProgramState) -> Both<'a> {
+        Both::before(self.pair, self.aig, self.chart.after, program, self.given)
+    }
+
+    /// Runs the program's scan.
+    fn run(
+        &mut self,
+        matched: &Match,
+        after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState),
+    ) -> ProgramState {
+        let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(self.inputs.iter().copied()).collect();
+        // A timer of which nothing is known may end whenever it likes. One that measures a time of the
+        // chart ends when that does: they start together, which is among the claims.
+        let mut clocks = Vec::new();
+        for (timer, preset) in matched.timers.iter().zip(self.pair.program.presets()) {
+            clocks.push(match (timer, preset) {
+                (Some(timer), _) => self.clocks[timer.index],
+                (None, Some(_)) => self.aig.leaf("a timer"),
+                (None, None) => Lit::FALSE,
+            });
+        }
+        self.pair.program.scan(&mut self.aig, &self.program, &inputs, &clocks, after)
+    }
+
+    /// Assumes all claims and returns what the program remembers then.
+    fn presume(&mut self, matched: &Match) -> ProgramState {
+        let mut state = self.run(matched, &mut |_, _, _| {});
+        for claim in claims(self.pair.program, matched) {
+            let (expected, matters) = claim.expects(&self.chart);
+            let found = state[claim.latch()];
+            let equal = self.aig.equal(found, expected);
+            let holds = self.aig.or(equal, !matters);
+            self.given = self.aig.and(self.given, holds);
+            state[claim.latch()] = self.aig.select(matters, expected, found);
+        }
+        state
+    }
+
+    /// Examines all claims; returns what the program remembers if they hold, and those that do not.
+    fn examine(&mut self, matched: &Match, compare: &mut Compare<'_>) -> (ProgramState, Vec<Failure>) {
         let mut failures = Vec::new();
-        let mut compare = Compare::new(sat);
-        for region in self.machine.regions.ids() {
-            let broken = configuration::broken(&mut self.aig, self.machine, region, &self.chart.after.active);
-            if let Outcome::Differs(model) = compare.same(&mut self.aig, broken, Lit::FALSE, &mut count) {
+        for region in self.pair.machine.regions.ids() {
+            let broken = configuration::broken(&mut self.aig, self.pair.machine, region, &self.chart.after.active);
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, broken, Lit::FALSE, self.given) {
                 failures.push((Claim::Configuration(region), model));
             }
         }
+        for index in 0..self.clocks.len() {
+            let fresh = self.aig.and(self.chart.after.fresh[index], self.given);
+            let past = self.chart.after.past[index];
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, past, Lit::FALSE, fresh) {
+                failures.push((Claim::Clock(index), model));
+            }
+        }
         // Each claim is examined when the last program that writes its latch has run.
-        let last = program.last_writers();
+        let last = self.pair.program.last_writers();
         let mut due: Vec<Vec<Claim>> = vec![Vec::new(); last.iter().flatten().max().map_or(0, |p| p + 1)];
         let mut unwritten = Vec::new();
-        for claim in claims(program, matched) {
+        for claim in claims(self.pair.program, matched) {
             match last[claim.latch()] {
                 Some(p) => due[p].push(claim),
                 None => unwritten.push(claim),
             }
         }
-        let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(self.inputs.iter().copied()).collect();
-        let chart = &self.chart;
+        let (chart, given) = (self.chart.clone(), self.given);
         let mut settle = |aig: &mut Aig, claims: &[Claim], state: &mut ProgramState| {
             for &claim in claims {
-                let expected = match claim {
-                    Claim::Part(part, _) => part.after(chart),
-                    Claim::Memory(meaning, _) => meaning.of(&chart.after),
-                    Claim::Configuration(_) => unreachable!("it is about the chart alone"),
-                };
-                match compare.same(aig, state[claim.latch()], expected, &mut count) {
-                    Outcome::Same => state[claim.latch()] = expected,
+                let (expected, matters) = claim.expects(&chart);
+                let assumed = aig.and(given, matters);
+                match compare.same(aig, state[claim.latch()], expected, assumed) {
+                    Outcome::Same if matters == Lit::TRUE => state[claim.latch()] = expected,
+                    Outcome::Same => {}
                     Outcome::Differs(model) => failures.push((claim, model)),
                 }
             }
         };
-        let mut state = program.scan(&mut self.aig, &self.program, &inputs, &mut |aig, p, state| {
+        let mut state = self.run(matched, &mut |aig, p, state| {
             if let Some(claims) = due.get(p) {
                 settle(aig, claims, state);
             }
         });
         settle(&mut self.aig, &unwritten, &mut state);
-        count.nodes = self.aig.len();
         let failures = failures.into_iter().map(|(claim, model)| Failure { claim, from: model.map(|m| self.read(&m)) });
-        (count, failures.collect())
+        (state, failures.collect())
     }
 
     fn read(&self, model: &Model) -> Situation {
@@ -262,6 +347,10 @@ impl<'a> Both<'a> {
             inputs: read(&self.inputs),
         }
     }
+}
+
+fn leaves(aig: &mut Aig, pair: Pair<'_>) -> Vec<Lit> {
+    pair.machine.inputs.values().map(|i| aig.leaf(&i.name)).collect()
 }
 
 /// What came of a comparison; a difference without a model means that the solver gave up.
@@ -278,21 +367,25 @@ struct Compare<'s> {
     samples: Vec<Vec<u64>>,
     /// What has been proved: a step and its flag are two claims about one literal.
     proved: HashSet<(Lit, Lit)>,
+    count: Count,
 }
 
 impl<'s> Compare<'s> {
     fn new(sat: &'s mut Sat) -> Self {
         let empty = || vec![Vec::new(); WORDS];
-        Compare { sat, random: Random::new(1), leaves: empty(), samples: empty(), proved: HashSet::new() }
+        let count = Count::default();
+        Compare { sat, random: Random::new(1), leaves: empty(), samples: empty(), proved: HashSet::new(), count }
     }
 
-    fn same(&mut self, aig: &mut Aig, a: Lit, b: Lit, count: &mut Count) -> Outcome {
-        count.claims += 1;
-        if a == b || self.proved.contains(&(a, b)) {
-            count.by_structure += 1;
+    /// Whether `a` and `b` are the same wherever `given` holds.
+    fn same(&mut self, aig: &mut Aig, a: Lit, b: Lit, given: Lit) -> Outcome {
+        self.count.claims += 1;
+        if a == b || given == Lit::FALSE || self.proved.contains(&(a, b)) {
+            self.count.by_structure += 1;
             return Outcome::Same;
         }
         let differ = aig.xor(a, b);
+        let differ = aig.and(differ, given);
         for (leaves, values) in self.leaves.iter_mut().zip(&mut self.samples) {
             while leaves.len() < aig.leaves().len() {
                 leaves.push(self.random.next());
@@ -305,11 +398,13 @@ impl<'s> Compare<'s> {
                 return Outcome::Differs(Some(bits.collect()));
             }
         }
-        count.by_solver += 1;
+        self.count.by_solver += 1;
         self.sat.forget();
         match self.sat.ask(aig, &[differ], Budget::PROOF) {
             Answer::Never => {
-                self.proved.insert((a, b));
+                if given == Lit::TRUE {
+                    self.proved.insert((a, b));
+                }
                 Outcome::Same
             }
             Answer::Sometimes(model) => Outcome::Differs(Some(model)),

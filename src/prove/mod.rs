@@ -6,10 +6,10 @@
 //! | [`sat`] | questions about them to a solver |
 //! | [`chart_step`] | one scan of a chart as such functions, from the chart's own meaning |
 //! | [`program_step`] | one scan of a PLC project as such functions, from the project's own meaning |
-//! | [`correspondence`], [`parts`] | which variable or step of a program stands for what |
+//! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
 //! | [`induction`] | first scan and any later scan, claim by claim |
-//! | [`joint`], [`search`] | chart and program side by side from power-up, and a hunt for a difference |
+//! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`trace`] | the run that shows it, as a table |
 //! | [`equivalence`] | all of it, in order |
 //!
@@ -24,11 +24,13 @@ pub mod correspondence;
 pub mod equivalence;
 pub mod induction;
 pub mod joint;
+pub mod matching;
 pub mod parts;
 pub mod program_step;
 pub mod random;
 pub mod sat;
 pub mod search;
+pub mod shorten;
 pub mod trace;
 
 pub use correspondence::Correspondence;

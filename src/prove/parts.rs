@@ -1,13 +1,9 @@
-//! The parts of a machine and what holds each of them in a program.
+//! The parts of a machine that something in a program stands for, and what a program can remember of
+//! them.
 
 use super::aig::Lit;
 use super::chart_step::{ChartScan, ChartState};
-use super::correspondence::Correspondence;
-use super::program_step::ProgramStep;
-use crate::base::{Id, iec};
 use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, VariableId};
-use crate::ir::iec::{Body, Project, Scope, VarId};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +22,21 @@ pub enum Part {
     Acted(ConstraintId),
     /// Whether the plant breaks the assumption of that index.
     Broken(usize),
+    /// What was sampled of the input.
+    Input(InputId),
+    /// Whether this is the scan from which the timer counts.
+    Begins(Timer),
+}
+
+/// A time that guards wait for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timer {
+    /// Where it stands in [`ChartStep::timers`](super::chart_step::ChartStep::timers).
+    pub index: usize,
+    /// The state whose activity it measures.
+    pub state: StateId,
+    /// The time in milliseconds.
+    pub ms: u32,
 }
 
 impl Part {
@@ -38,6 +49,8 @@ impl Part {
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
+            Part::Input(i) => scan.after.inputs[i.index()],
+            Part::Begins(t) => scan.begins[t.index],
         }
     }
 
@@ -50,6 +63,8 @@ impl Part {
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
+            Part::Input(i) => format!("input {}", machine.inputs[i].name),
+            Part::Begins(t) => format!("start of the time in {}", machine.state_path(t.state)),
         }
     }
 
@@ -59,7 +74,8 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => Some(Meaning::Active(s, true)),
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
-            Part::Command(_) | Part::Acted(_) | Part::Broken(_) => None,
+            Part::Input(i) => Some(Meaning::Input(i, true)),
+            Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
     }
 }
@@ -78,6 +94,10 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// Whether the timer's state was entered in the last scan; anything while it is not active.
+    Fresh(Timer, bool),
+    /// Whether the timer's time had passed in the last scan; anything while its state is not active.
+    Past(Timer, bool),
 }
 
 impl Meaning {
@@ -89,6 +109,20 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
+            Meaning::Past(t, same) => state.past[t.index].xor(!same),
+        }
+    }
+
+    /// When it holds; otherwise the latch may hold anything.
+    pub fn matters(self, state: &ChartState) -> Lit {
+        match self {
+            Meaning::Fresh(t, _) | Meaning::Past(t, _) => state.active[t.state.index()],
+            Meaning::Constant(_)
+            | Meaning::Active(..)
+            | Meaning::Input(..)
+            | Meaning::Output(..)
+            | Meaning::Variable(..) => Lit::TRUE,
         }
     }
 
@@ -101,10 +135,12 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
+            Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
     }
 
-    /// Every meaning that is no constant and not the opposite of another.
+    /// Every meaning that always holds, is no constant and not the opposite of another.
     pub fn all(machine: &Machine) -> Vec<Meaning> {
         let inputs = machine.inputs.ids().map(|i| Meaning::Input(i, true));
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
@@ -121,155 +157,9 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
+            Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };
         if same { what } else { format!("not {what}") }
     }
-}
-
-/// Which latches of a program stand for which parts of a machine.
-#[derive(Clone, Debug)]
-pub struct Match {
-    /// For each input, its latch.
-    pub inputs: Vec<usize>,
-    /// All parts that the program has something for, with their latches.
-    pub parts: Vec<(Part, usize)>,
-    /// For each latch, what it is believed to hold between scans; to be proved.
-    pub meanings: Vec<Option<Meaning>>,
-}
-
-impl Match {
-    /// Looks names up; says which one the program does not have.
-    pub fn of(
-        machine: &Machine,
-        names: &Correspondence,
-        project: &Project,
-        program: &ProgramStep<'_>,
-    ) -> Result<Match, String> {
-        let globals: BTreeMap<String, VarId> = project
-            .variables
-            .iter()
-            .filter(|(_, v)| v.scope == Scope::Global)
-            .map(|(id, v)| (iec::fold(&v.name), id))
-            .collect();
-        let global = |name: &str, what: &dyn Fn() -> String| {
-            let id = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what()))?;
-            program.variable(*id).ok_or_else(|| format!("`{name}`, which stands for {}, is not BOOL", what()))
-        };
-        let mut inputs = Vec::new();
-        for (input, name) in machine.inputs.values().zip(&names.inputs) {
-            inputs.push(global(name, &|| format!("input {}", input.name))?);
-        }
-        let mut parts = Vec::new();
-        let mut add = |part: Part, name: &str| {
-            parts.push((part, global(name, &|| part.describe(machine))?));
-            Ok::<(), String>(())
-        };
-        for (id, name) in machine.states.ids().zip(&names.flags) {
-            add(Part::Flag(id), name)?;
-        }
-        for (id, name) in machine.outputs.ids().zip(&names.outputs) {
-            add(Part::Output(id), name)?;
-        }
-        for (id, name) in machine.variables.ids().zip(&names.variables) {
-            add(Part::Variable(id), name)?;
-        }
-        for (id, name) in machine.outputs.ids().zip(&names.commands) {
-            name.iter().try_for_each(|n| add(Part::Command(id), n))?;
-        }
-        for (id, name) in machine.safety.constraints.ids().zip(&names.acted) {
-            name.iter().try_for_each(|n| add(Part::Acted(id), n))?;
-        }
-        for (index, name) in names.broken.iter().enumerate() {
-            name.iter().try_for_each(|n| add(Part::Broken(index), n))?;
-        }
-        steps(machine, names, project, program, &mut parts)?;
-        foreign_inputs(project, program, &inputs)?;
-        let mut matched = Match { inputs, parts, meanings: Vec::new() };
-        matched.meanings = matched.by_construction(machine, project, program);
-        Ok(matched)
-    }
-
-    /// What latches hold by the way in which a program is made: parts hold themselves, an input its
-    /// value of the last scan, what nothing writes its initial value, and the initial step of a
-    /// region's SFC, if it stands for no state, is active exactly while the region's parent is not.
-    fn by_construction(
-        &self,
-        machine: &Machine,
-        project: &Project,
-        program: &ProgramStep<'_>,
-    ) -> Vec<Option<Meaning>> {
-        let mut meanings: Vec<Option<Meaning>> = vec![None; program.latches().len()];
-        for (i, &latch) in self.inputs.iter().enumerate() {
-            meanings[latch] = Some(Meaning::Input(Id::from_index(i), true));
-        }
-        let mut state_of = BTreeMap::new();
-        for &(part, latch) in &self.parts {
-            meanings[latch] = meanings[latch].or(part.remembered());
-            if let Part::Step(s) = part {
-                state_of.insert(latch, s);
-            }
-        }
-        let written = program.written();
-        for (latch, value) in program.power_up().into_iter().enumerate() {
-            if !written[latch] && meanings[latch].is_none() {
-                meanings[latch] = value.constant().map(Meaning::Constant);
-            }
-        }
-        for (p, body) in project.programs.iter().enumerate().map(|(p, program)| (p, &program.body)) {
-            let Body::Sfc(sfc) = body else { continue };
-            let region = sfc.steps.ids().find_map(|s| state_of.get(&program.step(p, s)));
-            let Some(region) = region.map(|&s| machine.states[s].region) else { continue };
-            for (id, step) in sfc.steps.iter() {
-                let latch = program.step(p, id);
-                if step.initial && !state_of.contains_key(&latch) {
-                    meanings[latch] = Some(match machine.regions[region].parent {
-                        Some(parent) => Meaning::Active(parent, false),
-                        None => Meaning::Constant(false),
-                    });
-                }
-            }
-        }
-        meanings
-    }
-}
-
-fn steps(
-    machine: &Machine,
-    names: &Correspondence,
-    project: &Project,
-    program: &ProgramStep<'_>,
-    parts: &mut Vec<(Part, usize)>,
-) -> Result<(), String> {
-    let mut places = BTreeMap::new();
-    for (p, instance) in project.programs.iter().enumerate() {
-        if let Body::Sfc(sfc) = &instance.body {
-            for (id, step) in sfc.steps.iter() {
-                places.insert((iec::fold(&instance.name), iec::fold(&step.name)), program.step(p, id));
-            }
-        }
-    }
-    for (id, place) in machine.states.ids().zip(&names.steps) {
-        let Some((instance, step)) = place else { continue };
-        let latch = places
-            .get(&(iec::fold(instance), iec::fold(step)))
-            .ok_or_else(|| missing(&format!("{instance}.{step}"), &Part::Step(id).describe(machine)))?;
-        parts.push((Part::Step(id), *latch));
-    }
-    Ok(())
-}
-
-/// A program that reads what the machine does not have is no program of this machine.
-fn foreign_inputs(project: &Project, program: &ProgramStep<'_>, inputs: &[usize]) -> Result<(), String> {
-    let known: BTreeSet<usize> = inputs.iter().copied().collect();
-    for (id, variable) in project.variables.iter() {
-        let located = variable.address.as_deref().is_some_and(|a| a.to_ascii_uppercase().starts_with("%I"));
-        if located && !program.variable(id).is_some_and(|latch| known.contains(&latch)) {
-            return Err(format!("the program has an input `{}` that the machine does not have", variable.name));
-        }
-    }
-    Ok(())
-}
-
-fn missing(name: &str, what: &str) -> String {
-    format!("the program has nothing named `{name}` for {what}")
 }

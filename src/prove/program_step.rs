@@ -2,13 +2,16 @@
 //! and its inputs to what they hold after it.
 //!
 //! Written from the meaning of a [`Project`], which stands at the head of [`iec`](crate::ir::iec).
-//! What is not Boolean cannot be encoded: integers, times, timers, qualifiers with durations. Neither
-//! can programs that run in some scans only. They are refused with a sentence that says where.
+//! What is not Boolean cannot be encoded: integers, times, qualifiers with durations. Neither can
+//! programs that run in some scans only. They are refused with a sentence that says where.
+//!
+//! Of the timers, TON with a constant preset time is encoded: whether the time since its start has
+//! passed is a literal that is given for each scan.
 
 use super::aig::{Aig, Lit};
 use crate::ir::iec::{
-    Action, Atom, Block, BlockId, BlockKind, Body, Bool, Call, CoilKind, Condition, Kind, Project, Qualifier, Scope,
-    Sfc, Statement, StepId, Target, VarId, Variable,
+    Action, Atom, Block, BlockId, BlockKind, Body, Bool, Call, CoilKind, Condition, Kind, Number, Project, Qualifier,
+    Scope, Sfc, Statement, StepId, Target, Time, VarId, Variable,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,10 +24,14 @@ pub enum Latch {
     Step(usize, StepId),
     /// Whether the action of that index in the program of that index has been set and not yet reset.
     Stored(usize, usize),
-    /// M of a trigger.
+    /// M of a trigger; the last input of a timer.
     Memory(BlockId),
     /// Q of a block.
     Output(BlockId),
+    /// Whether a timer runs or has ended.
+    Begun(BlockId),
+    /// Whether a timer has started in the last scan; not read in the next.
+    Starts(BlockId),
 }
 
 /// The value of every latch, in the order of [`ProgramStep::latches`].
@@ -38,6 +45,8 @@ pub struct ProgramStep<'p> {
     steps: Vec<usize>,
     stored: Vec<usize>,
     blocks: Vec<usize>,
+    /// For each block, its preset time if it is a timer.
+    presets: Vec<Option<Time>>,
     orders: Vec<Vec<usize>>,
 }
 
@@ -45,13 +54,14 @@ impl<'p> ProgramStep<'p> {
     /// Lays out the latches, or says what cannot be encoded.
     pub fn new(project: &'p Project) -> Result<Self, String> {
         let tick = project.tick();
+        let mut presets = vec![None; project.blocks.len()];
         for program in &project.programs {
             if let Some(task) = program.task
                 && Some(project.tasks[task].interval) != tick
             {
                 return Err(format!("program {} does not run in every scan", program.name));
             }
-            Refusal { project, program: &program.name }.body(&program.body)?;
+            Refusal { project, program: &program.name, presets: &mut presets }.body(&program.body)?;
         }
         let mut step = ProgramStep {
             project,
@@ -60,6 +70,7 @@ impl<'p> ProgramStep<'p> {
             steps: Vec::new(),
             stored: Vec::new(),
             blocks: Vec::new(),
+            presets,
             orders: Vec::new(),
         };
         for (id, variable) in project.variables.iter() {
@@ -80,9 +91,12 @@ impl<'p> ProgramStep<'p> {
                 step.latches.extend((0..sfc.actions.len()).map(|a| Latch::Stored(i, a)));
             }
         }
-        for id in project.blocks.ids() {
+        for (id, block) in project.blocks.iter() {
             step.blocks.push(step.latches.len());
             step.latches.extend([Latch::Memory(id), Latch::Output(id)]);
+            if block.kind == BlockKind::Ton {
+                step.latches.extend([Latch::Begun(id), Latch::Starts(id)]);
+            }
         }
         Ok(step)
     }
@@ -102,16 +116,23 @@ impl<'p> ProgramStep<'p> {
         self.steps[program] + step.index()
     }
 
+    /// Where the first latch of a block stands: its memory, then its output, then, for a timer, whether
+    /// it has begun and whether it starts.
+    pub fn block(&self, id: BlockId) -> usize {
+        self.blocks[id.index()]
+    }
+
+    /// For each block, its preset time if it is a timer that is called.
+    pub fn presets(&self) -> &[Option<Time>] {
+        &self.presets
+    }
+
     /// What a latch is called, for people.
     pub fn name(&self, latch: Latch) -> String {
-        let owner = |scope: Scope| match scope {
-            Scope::Global => String::new(),
-            Scope::Program(p) => format!("{}.", self.project.programs[p].name),
-        };
         match latch {
             Latch::Variable(id) => {
                 let Variable { name, scope, .. } = &self.project.variables[id];
-                format!("{}{name}", owner(*scope))
+                format!("{}{name}", self.owner(*scope))
             }
             Latch::Step(p, id) => {
                 let program = &self.project.programs[p];
@@ -121,12 +142,24 @@ impl<'p> ProgramStep<'p> {
                 }
             }
             Latch::Stored(p, a) => format!("{}.action {a}", self.project.programs[p].name),
-            Latch::Memory(id) | Latch::Output(id) => {
-                let Block { name, scope, .. } = &self.project.blocks[id];
-                let name = if name.is_empty() { format!("edge {}", id.index()) } else { name.clone() };
-                format!("{}{name}.{}", owner(*scope), if matches!(latch, Latch::Memory(_)) { "M" } else { "Q" })
-            }
+            Latch::Memory(id) => self.of_block(id, "M"),
+            Latch::Output(id) => self.of_block(id, "Q"),
+            Latch::Begun(id) => self.of_block(id, "STATE"),
+            Latch::Starts(id) => self.of_block(id, "START"),
         }
+    }
+
+    fn owner(&self, scope: Scope) -> String {
+        match scope {
+            Scope::Global => String::new(),
+            Scope::Program(p) => format!("{}.", self.project.programs[p].name),
+        }
+    }
+
+    fn of_block(&self, id: BlockId, pin: &str) -> String {
+        let Block { name, scope, .. } = &self.project.blocks[id];
+        let name = if name.is_empty() { format!("edge {}", id.index()) } else { name.clone() };
+        format!("{}{name}.{pin}", self.owner(*scope))
     }
 
     /// What is remembered at power-up.
@@ -137,7 +170,7 @@ impl<'p> ProgramStep<'p> {
                 Body::Sfc(sfc) => sfc.steps[id].initial,
                 Body::Code(_) => false,
             },
-            Latch::Stored(..) | Latch::Memory(_) | Latch::Output(_) => false,
+            Latch::Stored(..) | Latch::Memory(_) | Latch::Output(_) | Latch::Begun(_) | Latch::Starts(_) => false,
         };
         self.latches.iter().map(|l| Lit::of(value(l))).collect()
     }
@@ -179,27 +212,33 @@ impl<'p> ProgramStep<'p> {
                 Statement::Move { .. } => {}
                 Statement::Call(call) => {
                     let block = self.blocks[call.block.index()];
-                    written.extend([block, block + 1]);
+                    let timer = self.presets[call.block.index()].is_some();
+                    written.extend(block..block + if timer { 4 } else { 2 });
                 }
             }
         }
     }
 
-    /// One scan. `inputs` are set before it; `after` is told whenever a program has run and may put
+    /// One scan. `inputs` are set before it; `clocks` says for each block, if it is a timer, whether its
+    /// time has passed by now, should it have started in an earlier scan; `after` is told whenever a program has run and may put
     /// other literals into the state, provided that they are equal to what stands there.
     pub fn scan(
         &self,
         aig: &mut Aig,
         before: &ProgramState,
         inputs: &[(usize, Lit)],
+        clocks: &[Lit],
         after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState),
     ) -> ProgramState {
         let mut state = before.clone();
         for &(latch, value) in inputs {
             state[latch] = value;
         }
+        for (&block, _) in self.blocks.iter().zip(&self.presets).filter(|(_, preset)| preset.is_some()) {
+            state[block + 3] = Lit::FALSE;
+        }
         for (p, program) in self.project.programs.iter().enumerate() {
-            let mut run = Run { step: self, aig, program: p, state: &mut state };
+            let mut run = Run { step: self, aig, program: p, state: &mut state, clocks };
             match &program.body {
                 Body::Code(statements) => run.statements(statements, Lit::TRUE),
                 Body::Sfc(sfc) => run.sfc(sfc),
@@ -216,6 +255,7 @@ struct Run<'a, 'p> {
     aig: &'a mut Aig,
     program: usize,
     state: &'a mut ProgramState,
+    clocks: &'a [Lit],
 }
 
 impl Run<'_, '_> {
@@ -296,8 +336,29 @@ impl Run<'_, '_> {
                 let q = self.aig.and(!reset, on);
                 self.assign(output, run, q);
             }
-            BlockKind::Ton | BlockKind::Tof | BlockKind::Tp => unreachable!("timers have been refused"),
+            BlockKind::Ton => self.on_delay(memory, self.clocks[call.block.index()], input, run),
+            BlockKind::Tof | BlockKind::Tp => unreachable!("these timers have been refused"),
         }
+    }
+
+    /// TON: a rising edge while idle starts it, else FALSE makes it idle, else the clock may end it.
+    fn on_delay(&mut self, memory: usize, clock: Lit, input: Lit, run: Lit) {
+        let (output, begun, starts) = (memory + 1, memory + 2, memory + 3);
+        let idle = self.aig.and(!self.state[begun], !self.state[memory]);
+        let start = self.aig.and(idle, input);
+        // Preset times are positive, so what started in this scan does not end in it.
+        let due = self.aig.and(clock, !self.state[starts]);
+        let ends = self.aig.and(self.state[begun], due);
+        let on = self.aig.or(self.state[output], ends);
+        let on = self.aig.and(on, input);
+        let on = self.aig.and(on, !start);
+        let goes = self.aig.and(input, self.state[begun]);
+        let goes = self.aig.or(goes, start);
+        let started = self.aig.or(self.state[starts], start);
+        self.assign(output, run, on);
+        self.assign(begun, run, goes);
+        self.assign(starts, run, started);
+        self.assign(memory, run, input);
     }
 
     fn sfc(&mut self, sfc: &Sfc) {
@@ -388,6 +449,7 @@ impl Run<'_, '_> {
 struct Refusal<'p> {
     project: &'p Project,
     program: &'p str,
+    presets: &'p mut Vec<Option<Time>>,
 }
 
 impl Refusal<'_> {
@@ -395,7 +457,7 @@ impl Refusal<'_> {
         Err(format!("program {} uses {what}, which is not encoded yet", self.program))
     }
 
-    fn body(&self, body: &Body) -> Result<(), String> {
+    fn body(&mut self, body: &Body) -> Result<(), String> {
         match body {
             Body::Code(statements) => self.statements(statements),
             Body::Sfc(sfc) => {
@@ -429,7 +491,7 @@ impl Refusal<'_> {
         }
     }
 
-    fn statements(&self, statements: &[Statement]) -> Result<(), String> {
+    fn statements(&mut self, statements: &[Statement]) -> Result<(), String> {
         statements.iter().try_for_each(|s| match s {
             Statement::Coil(coil) => {
                 self.variable(coil.variable)?;
@@ -437,21 +499,31 @@ impl Refusal<'_> {
             }
             Statement::Move { .. } => self.because("a number"),
             Statement::Call(call) => {
-                let block = &self.project.blocks[call.block];
-                let (both, timer) = match block.kind {
-                    BlockKind::RTrig | BlockKind::FTrig => (false, false),
-                    BlockKind::Sr | BlockKind::Rs => (true, false),
-                    BlockKind::Ton | BlockKind::Tof | BlockKind::Tp => (false, true),
+                let both = match self.project.blocks[call.block].kind {
+                    BlockKind::RTrig | BlockKind::FTrig => false,
+                    BlockKind::Sr | BlockKind::Rs => true,
+                    BlockKind::Ton => {
+                        self.preset(call)?;
+                        false
+                    }
+                    BlockKind::Tof | BlockKind::Tp => return self.because("a timer TOF or TP"),
                 };
-                if timer {
-                    return self.because("a timer");
-                }
                 if call.input.is_none() || (both && call.reset.is_none()) {
                     return self.because("a call that leaves an input out");
                 }
                 call.input.iter().chain(&call.reset).try_for_each(|c| self.condition(c))
             }
         })
+    }
+
+    fn preset(&mut self, call: &Call) -> Result<(), String> {
+        let Some(Number::Const(time @ 1..)) = call.preset else {
+            return self.because("a timer without a constant, positive time");
+        };
+        match self.presets[call.block.index()].replace(time) {
+            Some(other) if other != time => self.because("a timer with several times"),
+            _ => Ok(()),
+        }
     }
 
     fn condition(&self, condition: &Condition) -> Result<(), String> {

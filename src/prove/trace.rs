@@ -1,15 +1,17 @@
 //! A run of chart and program side by side, as a table.
 
-use super::aig::lanes;
-use super::joint::Joint;
-use super::parts::{Match, Part};
-use super::program_step::ProgramStep;
-use crate::ir::chart::Machine;
+use super::aig::Lit;
+use super::joint::{Joint, Run, Stimulus};
+use super::matching::{Match, Pair};
+use super::parts::Part;
+use crate::ir::iec::Time;
 use std::fmt;
 
 /// A run from power-up to the scan in which chart and program differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Trace {
+    /// The cycle time in microseconds.
+    pub cycle: Time,
     /// The names of the inputs.
     pub inputs: Vec<String>,
     /// What is compared.
@@ -32,8 +34,8 @@ pub struct Compared {
 /// One scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scan {
-    /// The value of each input.
-    pub inputs: Vec<bool>,
+    /// When it takes place and with which inputs.
+    pub stimulus: Stimulus,
     /// For each thing compared, its value in the chart at the end of the scan.
     pub chart: Vec<bool>,
     /// For each thing compared, its value in the program at the end of the scan.
@@ -41,33 +43,26 @@ pub struct Scan {
 }
 
 impl Trace {
-    /// Runs both sides with these inputs.
-    pub fn of(
-        machine: &Machine,
-        program: &ProgramStep<'_>,
-        matched: &Match,
-        joint: &Joint,
-        inputs: &[Vec<bool>],
-    ) -> Trace {
+    /// Runs both sides.
+    pub fn of(pair: Pair<'_>, matched: &Match, joint: &Joint, stimuli: &[Stimulus]) -> Trace {
         let compared = matched.parts.iter().map(|&(part, latch)| Compared {
             part,
-            what: part.describe(machine),
-            name: program.name(program.latches()[latch]),
+            what: part.describe(pair.machine),
+            name: pair.program.name(pair.program.latches()[latch]),
         });
         let mut trace = Trace {
-            inputs: machine.inputs.values().map(|i| i.name.clone()).collect(),
+            cycle: joint.cycle,
+            inputs: pair.machine.inputs.values().map(|i| i.name.clone()).collect(),
             compared: compared.collect(),
             scans: Vec::new(),
         };
-        let mut memory: Option<Vec<u64>> = None;
-        let mut values = Vec::new();
-        for now in inputs {
-            let words: Vec<u64> = now.iter().map(|&b| u64::from(b)).collect();
-            joint.run(memory.as_deref(), &words, &mut values);
-            let half = joint.half(memory.is_none());
-            let read = |lits: &[super::aig::Lit]| lits.iter().map(|&l| lanes(&values, l) & 1 == 1).collect();
-            trace.scans.push(Scan { inputs: now.clone(), chart: read(&half.chart), program: read(&half.program) });
-            memory = Some(half.next.iter().map(|&l| lanes(&values, l) & 1).collect());
+        let mut run = Run::new(joint);
+        for stimulus in stimuli {
+            let words: Vec<u64> = stimulus.inputs.iter().map(|&b| u64::from(b)).collect();
+            run.scan(&words, stimulus.pause);
+            let read = |lits: &[Lit]| lits.iter().map(|&l| run.word(l) & 1 == 1).collect();
+            let (chart, program) = (read(&run.half().chart), read(&run.half().program));
+            trace.scans.push(Scan { stimulus: stimulus.clone(), chart, program });
         }
         trace
     }
@@ -75,7 +70,8 @@ impl Trace {
     /// What differs after the last scan, as indices into [`Trace::compared`].
     pub fn differences(&self) -> Vec<usize> {
         let Some(last) = self.scans.last() else { return Vec::new() };
-        (0..self.compared.len()).filter(|&i| last.chart[i] != last.program[i]).collect()
+        let visible = |i: &usize| !matches!(self.compared[*i].part, Part::Begins(_));
+        (0..self.compared.len()).filter(visible).filter(|&i| last.chart[i] != last.program[i]).collect()
     }
 }
 
@@ -87,17 +83,22 @@ impl fmt::Display for Trace {
         let mut before: Option<&Scan> = None;
         for (n, scan) in self.scans.iter().enumerate() {
             let from = rows.len();
+            if n > 0 && scan.stimulus.pause != self.cycle {
+                let late = format!("{} ms after the last scan", scan.stimulus.pause / 1000);
+                rows.push([String::new(), late, String::new(), String::new()]);
+            }
             for (i, name) in self.inputs.iter().enumerate() {
-                if scan.inputs[i] != before.is_some_and(|b| b.inputs[i]) {
-                    rows.push([String::new(), format!("input {name}"), word(scan.inputs[i]).into(), String::new()]);
+                let now = scan.stimulus.inputs[i];
+                if now != before.is_some_and(|b| b.stimulus.inputs[i]) {
+                    rows.push([String::new(), format!("input {name}"), word(now).into(), String::new()]);
                 }
             }
             for (i, compared) in self.compared.iter().enumerate() {
                 let (chart, program) = (scan.chart[i], scan.program[i]);
                 let changes = |value: bool, was: Option<bool>| value != was.unwrap_or(false);
                 let shown = match compared.part {
-                    // The same as the flag as long as nothing is wrong.
-                    Part::Step(_) => false,
+                    // The same as flag or input as long as nothing is wrong.
+                    Part::Step(_) | Part::Input(_) | Part::Begins(_) => false,
                     Part::Flag(_)
                     | Part::Output(_)
                     | Part::Variable(_)
@@ -107,7 +108,7 @@ impl fmt::Display for Trace {
                         changes(chart, before.map(|b| b.chart[i])) || changes(program, before.map(|b| b.program[i]))
                     }
                 };
-                if chart != program {
+                if chart != program && !matches!(compared.part, Part::Begins(_)) {
                     let program = format!("{}  <- {}", word(program), compared.name);
                     rows.push([String::new(), compared.what.clone(), word(chart).into(), program]);
                 } else if shown {

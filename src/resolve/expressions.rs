@@ -1,7 +1,7 @@
 //! Written conditions to guards: what may be read where.
 
-use super::Resolver;
 use super::names::{Symbol, kind};
+use super::{LONGEST_TIME, Resolver};
 use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, PathRef, Term};
 use crate::ir::chart::{self, Atom, Guard};
@@ -44,6 +44,7 @@ impl Resolver {
             Term::Fall(path) => self.edge(path, context, false),
             Term::In(path) => self.about_state(path, context, Atom::In),
             Term::DoneOf(path) => self.about_state(path, context, Atom::Done),
+            Term::After(time) => self.elapsed(time, context),
             Term::Done(span) => match context {
                 Context::Guard { source, .. } => Expr::Atom(Atom::Done(*source)),
                 _ => {
@@ -56,6 +57,28 @@ impl Resolver {
                     Expr::FALSE
                 }
             },
+        }
+    }
+
+    fn elapsed(&mut self, time: &ast::Duration, context: &Context) -> Guard {
+        let Context::Guard { source, .. } = context else {
+            self.misplaced(
+                "`after` counts the time in the source of a transition",
+                time.span,
+                "there is none here",
+                "let a transition wait, and ask for its target by `in(STATE)`",
+            );
+            return Expr::FALSE;
+        };
+        match time.milliseconds {
+            Some(ms @ 1..=LONGEST_TIME) => Expr::Atom(Atom::After(*source, ms)),
+            _ => {
+                self.diagnostics.push(
+                    Diagnostic::new(Code::BadTime, "a time takes from 1 ms to one day")
+                        .label(time.span, "out of range"),
+                );
+                Expr::FALSE
+            }
         }
     }
 

@@ -74,6 +74,9 @@ const DEFAULT_CYCLE: u32 = 10;
 /// Longest cycle time, in milliseconds: one hour.
 const LONGEST_CYCLE: u32 = 3_600_000;
 
+/// Longest time that a state can wait for, in milliseconds: one day. PLCs count TIME in 32 bits.
+const LONGEST_TIME: u32 = 86_400_000;
+
 impl Resolver {
     fn cycle(&mut self, tree: &ast::Machine) {
         self.machine.cycle = DEFAULT_CYCLE;
@@ -88,7 +91,7 @@ impl Resolver {
             match cycle.milliseconds {
                 Some(ms @ 1..=LONGEST_CYCLE) => self.machine.cycle = ms,
                 _ => self.diagnostics.push(
-                    Diagnostic::new(Code::BadCycle, "a cycle takes from 1 ms to one hour")
+                    Diagnostic::new(Code::BadTime, "a cycle takes from 1 ms to one hour")
                         .label(cycle.span, "out of range"),
                 ),
             }

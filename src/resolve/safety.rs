@@ -129,7 +129,9 @@ fn constraint(r: &mut Resolver, written: &ast::Constraint) {
         r.diagnostics.push(d);
     } else if let Some(product) = combined.iter().find(|p| !relieved(p)) {
         let outputs: Vec<&str> = outputs_of(product).map(|(o, _)| r.machine.outputs[o].name.as_str()).collect();
-        if yields.len() == written.yields.len() {
+        let fits = |(o, _): &(chart::OutputId, Span)| combined.iter().any(|p| outputs_of(p).any(|(q, _)| q == *o));
+        // A name that fits nowhere is reported below.
+        if yields.len() == written.yields.len() && yields.iter().all(fits) {
             let d = Diagnostic::new(
                 Code::CannotYield,
                 format!("in one case of `{}` only {} can give way", name.text, outputs.join(" or ")),

@@ -11,7 +11,7 @@ pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> Vec<ResolvedBody
     let mut bodies = Vec::new();
     if tree.charts.is_empty() && !r.diagnostics.has_errors() {
         r.diagnostics.push(
-            Diagnostic::new(Code::Empty, format!("`{}` has no chart", tree.name.text))
+            Diagnostic::new(Code::NoChart, format!("`{}` has no chart", tree.name.text))
                 .label(tree.name.span, "nothing controls this machine")
                 .help("add `chart NAME { … }` with its states"),
         );

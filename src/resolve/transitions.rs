@@ -147,6 +147,10 @@ fn sensor(
     }
     let (from, to) = (&r.machine.states[source], &r.machine.states[target]);
     let ends = from.region == body.region && to.region == body.region;
+    let lost = |s: &chart::State| s.position.is_none() && !matches!(s.kind, StateKind::Movement { .. });
+    if ends && (lost(from) || lost(to)) {
+        return None; // A state without a position has been reported.
+    }
     let (Some(a), Some(b), true) = (from.position, to.position, ends) else {
         let d = refuse(
             format!("`{}` and `{}` are not both at positions of this region's actuator", from.name, to.name),

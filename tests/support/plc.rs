@@ -75,6 +75,7 @@ pub fn rung(ladder: &mut Ladder, condition: &Expr<GlobalId>, coil: GlobalId, kin
     ladder.rungs.push(Rung {
         comment: format!("rung {}", ladder.rungs.len()),
         condition: Sum::of(condition, 1000).expect("a small condition"),
+        timer: None,
         coil,
         kind,
         origin: Origin::default(),

@@ -1,0 +1,70 @@
+//! The elements of a drawn body and the lines between them.
+
+use super::Problem;
+use super::xml::{self, Node};
+use crate::base::{Code, Diagnostics};
+use std::collections::BTreeMap;
+
+/// All elements of one body, in document order.
+pub struct Body<'a> {
+    /// The elements.
+    pub elements: Vec<Node<'a>>,
+    by_number: BTreeMap<&'a str, usize>,
+}
+
+/// A line into an element.
+#[derive(Clone, Copy)]
+pub struct Line<'a> {
+    /// Where it comes from: an index into [`Body::elements`].
+    pub from: usize,
+    /// Which output there, if the file says so.
+    pub parameter: Option<&'a str>,
+    /// The element `connection`.
+    pub node: Node<'a>,
+}
+
+impl<'a> Body<'a> {
+    /// The elements within `SFC` or `LD`.
+    pub fn new(content: Node<'a>, problems: &mut Diagnostics) -> Self {
+        let elements: Vec<_> = xml::children(content).filter(|n| !xml::is(*n, "addData")).collect();
+        let mut by_number = BTreeMap::new();
+        for (index, element) in elements.iter().enumerate() {
+            let Some(number) = xml::attribute(*element, "localId") else { continue };
+            if by_number.insert(number, index).is_some() {
+                let message = format!("two elements of one body have the number {number}");
+                problems.push(xml::problem(Code::Clash, message, *element));
+            }
+        }
+        Body { elements, by_number }
+    }
+
+    /// The lines into all `connectionPointIn` directly within `node`.
+    pub fn lines(&self, node: Node<'a>) -> Result<Vec<Line<'a>>, Problem> {
+        let mut lines = Vec::new();
+        for point in xml::children_named(node, "connectionPointIn") {
+            for connection in xml::children_named(point, "connection") {
+                let number = xml::required(connection, "refLocalId")?;
+                let Some(&from) = self.by_number.get(number) else {
+                    let message = format!("a line comes from element {number}, which the body does not have");
+                    return Err(xml::problem(Code::Unconnected, message, connection));
+                };
+                let parameter = xml::attribute(connection, "formalParameter");
+                lines.push(Line { from, parameter, node: connection });
+            }
+        }
+        Ok(lines)
+    }
+}
+
+/// What an element is called in messages: its kind, and its name or variable if it has one.
+pub fn describe(node: Node<'_>) -> String {
+    let name = ["name", "targetName", "instanceName", "typeName"]
+        .iter()
+        .find_map(|a| xml::attribute(node, a).map(str::to_owned))
+        .or_else(|| xml::child(node, "variable").or_else(|| xml::child(node, "expression")).map(|n| xml::text(n)));
+    let number = xml::attribute(node, "localId").map(|n| format!(" (number {n})")).unwrap_or_default();
+    match name {
+        Some(name) => format!("{} `{}`{number}", node.tag_name().name(), name.trim()),
+        None => format!("{}{number}", node.tag_name().name()),
+    }
+}

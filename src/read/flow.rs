@@ -1,0 +1,445 @@
+//! What feeds a coil, a pin or a transition: lines through contacts and function blocks to values.
+//!
+//! Everything is walked without recursion but for chains of function blocks, which are bounded.
+
+use super::Problem;
+use super::body::{Body, Line, describe};
+use super::program::{Context, broken};
+use super::st::{self, Binding, Value};
+use super::xml::{self, Family, Node};
+use crate::base::Code;
+use crate::ir::expr::Expr;
+use crate::ir::iec::{Atom, BlockId, Bool, Call, Condition, Statement};
+
+/// Longest chain of function blocks that feed each other.
+const CHAIN: usize = 64;
+
+/// Depth from which on a part of a condition gets a place of its own.
+const DEEP: usize = 24;
+
+/// Follows lines in one body and collects the calls that have to come before their ends are read.
+pub struct Flow<'b, 'a> {
+    body: &'b Body<'a>,
+    /// For each element, whether it is a block that has been called.
+    called: Vec<bool>,
+    chain: usize,
+    /// The calls, in order. Whoever evaluates a condition puts them before it.
+    pub calls: Vec<Statement>,
+}
+
+/// The value at the right end of an element, until its last user takes it.
+struct Term {
+    value: Bool,
+    depth: usize,
+    uses: usize,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    New,
+    Open,
+    Done,
+}
+
+/// What is known of the elements that feed an end.
+struct Walk {
+    /// Each after those that feed it, with the value of what it does by itself.
+    order: Vec<(usize, Bool)>,
+    /// How many lines leave each element, as far as it was walked.
+    uses: Vec<usize>,
+    state: Vec<State>,
+}
+
+/// An element under way.
+struct Visit<'a> {
+    element: usize,
+    own: Bool,
+    /// The lines that are still to be followed, the last one first.
+    inputs: Vec<Line<'a>>,
+}
+
+impl<'b, 'a> Flow<'b, 'a> {
+    /// Nothing called yet.
+    pub fn new(body: &'b Body<'a>) -> Self {
+        Flow { body, called: vec![false; body.elements.len()], chain: 0, calls: Vec::new() }
+    }
+
+    /// The disjunction of what comes along `lines`.
+    pub fn condition(&mut self, lines: &[Line<'a>], cx: &mut Context<'_, '_>) -> Result<Condition, Problem> {
+        let count = self.body.elements.len();
+        let mut walk = Walk { order: Vec::new(), uses: vec![0; count], state: vec![State::New; count] };
+        for line in lines {
+            self.walk(line, &mut walk, cx)?;
+        }
+        let mut terms: Vec<Option<Term>> = Vec::new();
+        terms.resize_with(count, || None);
+        let mut shared = Vec::new();
+        for (element, own) in walk.order {
+            let uses = walk.uses[element];
+            let (value, depth) = self.term(element, own, &mut terms, cx)?;
+            let (value, depth) = if depth > DEEP || (uses > 1 && !simple(&value)) {
+                shared.push(value);
+                (Expr::Atom(Atom::Shared(shared.len() - 1)), 1)
+            } else {
+                (value, depth)
+            };
+            terms[element] = Some(Term { value, depth, uses });
+        }
+        let mut operands = Vec::new();
+        for line in lines {
+            operands.push(self.along(line, &mut terms, cx)?.0);
+        }
+        Ok(Condition { shared, value: Expr::any(operands) })
+    }
+
+    /// Walks against the lines from one end. Blocks are called when they are met, not looked behind.
+    fn walk(&mut self, end: &Line<'a>, walk: &mut Walk, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
+        let mut stack: Vec<Visit<'a>> = Vec::new();
+        let mut next = Some(end.from);
+        loop {
+            if let Some(element) = next {
+                walk.uses[element] += 1;
+                match walk.state[element] {
+                    State::New => {
+                        walk.state[element] = State::Open;
+                        stack.push(self.visit(element, cx)?);
+                    }
+                    State::Open => {
+                        let node = self.body.elements[element];
+                        let message = format!("{} feeds itself", describe(node));
+                        return Err(xml::problem(Code::Unconnected, message, node));
+                    }
+                    State::Done => {}
+                }
+            }
+            let Some(visit) = stack.last_mut() else { return Ok(()) };
+            next = visit.inputs.pop().map(|line| line.from);
+            if next.is_none() {
+                walk.state[visit.element] = State::Done;
+                let own = std::mem::replace(&mut visit.own, Expr::TRUE);
+                walk.order.push((visit.element, own));
+                stack.pop();
+            }
+        }
+    }
+
+    /// Calls what has to be called when the walk comes upon an element.
+    fn visit(&mut self, element: usize, cx: &mut Context<'_, '_>) -> Result<Visit<'a>, Problem> {
+        let node = self.body.elements[element];
+        let mut visit = Visit { element, own: Expr::TRUE, inputs: Vec::new() };
+        match node.tag_name().name() {
+            "leftPowerRail" => {}
+            "inVariable" => visit.own = in_variable(node, cx)?.0.bool().ok_or_else(|| needs_bool(node))?,
+            "contact" => {
+                visit.own = self.contact(node, cx)?;
+                visit.inputs = self.inputs(node)?;
+                for line in &visit.inputs {
+                    self.may_stand_in_series(line, cx)?;
+                }
+            }
+            "coil" => {
+                visit.inputs = self.inputs(node)?;
+                // Beremiz makes AND of what is drawn as OR.
+                if visit.inputs.len() > 1 && cx.family == Family::Beremiz {
+                    let message = format!("{} with elements after it and parallel branches before it", describe(node));
+                    return Err(xml::not_understood(message, node));
+                }
+            }
+            "block" => self.call(element, cx)?,
+            _ => return Err(xml::not_understood(format!("{} as a source", describe(node)), node)),
+        }
+        visit.inputs.reverse();
+        Ok(visit)
+    }
+
+    /// The lines into an element that needs some.
+    pub fn inputs(&self, node: Node<'a>) -> Result<Vec<Line<'a>>, Problem> {
+        let lines = self.body.lines(node)?;
+        if lines.is_empty() {
+            let message = format!("{} is connected to nothing", describe(node));
+            return Err(xml::problem(Code::Unconnected, message, node));
+        }
+        Ok(lines)
+    }
+
+    /// The value at the right end of an element whose sources have terms.
+    fn term(
+        &mut self,
+        element: usize,
+        own: Bool,
+        terms: &mut [Option<Term>],
+        cx: &mut Context<'_, '_>,
+    ) -> Result<(Bool, usize), Problem> {
+        let node = self.body.elements[element];
+        // A block has a value only by the output that a line leaves; see `along`.
+        if xml::is(node, "block") {
+            return Ok((own, 1));
+        }
+        let mut operands = Vec::new();
+        let mut depth = 0;
+        let lines = self.body.lines(node)?;
+        for line in &lines {
+            let (value, d) = self.along(line, terms, cx)?;
+            operands.push(value);
+            depth = depth.max(d);
+        }
+        if lines.is_empty() {
+            return Ok((own, 1));
+        }
+        Ok((Expr::all([Expr::any(operands), own]), depth + 2))
+    }
+
+    /// What comes along one line.
+    fn along(
+        &mut self,
+        line: &Line<'a>,
+        terms: &mut [Option<Term>],
+        cx: &mut Context<'_, '_>,
+    ) -> Result<(Bool, usize), Problem> {
+        let node = self.body.elements[line.from];
+        if xml::is(node, "block") {
+            let value = self.output(line, cx)?.bool().ok_or_else(|| needs_bool(node))?;
+            return Ok((value, 2));
+        }
+        let Some(term) = &mut terms[line.from] else { return Ok((Expr::FALSE, 1)) };
+        term.uses = term.uses.saturating_sub(1);
+        if term.uses == 0 {
+            let value = std::mem::replace(&mut term.value, Expr::FALSE);
+            return Ok((value, term.depth));
+        }
+        Ok((term.value.clone(), term.depth))
+    }
+
+    /// Texts of expressions go into a series as they stand.
+    fn may_stand_in_series(&self, line: &Line<'a>, cx: &Context<'_, '_>) -> Result<(), Problem> {
+        let node = self.body.elements[line.from];
+        if xml::is(node, "inVariable") && in_variable(node, cx)?.1 == Binding::Loose {
+            let message = format!("{} in series, without parentheses around it,", describe(node));
+            return Err(xml::not_understood(message, node));
+        }
+        Ok(())
+    }
+
+    fn contact(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<Bool, Problem> {
+        let variable = xml::child(node, "variable").map(xml::text).unwrap_or_default();
+        let value = cx.expression(&variable, node)?.0.bool().ok_or_else(|| needs_bool(node))?;
+        if !matches!(value, Expr::Atom(_) | Expr::Const(_)) {
+            return Err(xml::not_understood(format!("{} with an expression", describe(node)), node));
+        }
+        Ok(self.modify(Condition::simple(value), node, cx)?.value)
+    }
+
+    /// Applies the negation or edge detection that `node` asks for.
+    pub fn modify(
+        &mut self,
+        mut condition: Condition,
+        node: Node<'a>,
+        cx: &mut Context<'_, '_>,
+    ) -> Result<Condition, Problem> {
+        let negated = xml::flag(node, "negated");
+        if given(node, "storage").is_some() && !xml::is(node, "coil") {
+            return Err(xml::not_understood(format!("storage at {}", describe(node)), node));
+        }
+        match (negated, given(node, "edge")) {
+            (false, None) => Ok(condition),
+            (true, None) => {
+                condition.value = condition.value.not();
+                Ok(condition)
+            }
+            (false, Some(edge @ ("rising" | "falling"))) => {
+                let block = cx.trigger(edge == "rising");
+                self.calls.push(Statement::Call(Call { block, input: Some(condition), reset: None, preset: None }));
+                Ok(Condition::simple(Expr::Atom(Atom::Output(block))))
+            }
+            (false, Some(_)) => Err(xml::not_understood(format!("the edge of {}", describe(node)), node)),
+            (true, Some(_)) => {
+                Err(xml::not_understood(format!("{} with both negation and edge", describe(node)), node))
+            }
+        }
+    }
+
+    /// The value of what one line brings to a place that takes numbers.
+    pub fn number(&mut self, lines: &[Line<'a>], node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<Value, Problem> {
+        let [line] = lines else {
+            return Err(xml::not_understood(format!("{} with several lines into one input", describe(node)), node));
+        };
+        let source = self.body.elements[line.from];
+        match source.tag_name().name() {
+            "inVariable" => Ok(in_variable(source, cx)?.0),
+            "block" => {
+                self.call(line.from, cx)?;
+                self.output(line, cx)
+            }
+            _ => Err(xml::not_understood(format!("{} as the source of a number", describe(source)), source)),
+        }
+    }
+
+    /// Calls a block unless it has been called.
+    pub fn call(&mut self, element: usize, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
+        if std::mem::replace(&mut self.called[element], true) {
+            return Ok(());
+        }
+        let node = self.body.elements[element];
+        if self.chain == CHAIN {
+            return Err(xml::not_understood(format!("a chain of more than {CHAIN} function blocks"), node));
+        }
+        self.chain += 1;
+        let result = self.call_new(node, cx);
+        self.chain -= 1;
+        result
+    }
+
+    fn call_new(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
+        let Some(name) = xml::attribute(node, "instanceName") else {
+            return Err(xml::not_understood(format!("the function {}", describe(node)), node));
+        };
+        let block = instance(name, node, cx)?;
+        let mut call = Call { block, input: None, reset: None, preset: None };
+        for variable in pins(node, "inputVariables") {
+            let pin = xml::required(variable, "formalParameter")?;
+            let point = xml::child(variable, "connectionPointIn");
+            let lines = self.body.lines(variable)?;
+            let text = point.and_then(|p| xml::child(p, "expression")).map(xml::text);
+            if lines.is_empty() && text.is_none() {
+                continue;
+            }
+            let what = st::input(cx.blocks[block].kind, pin);
+            let what =
+                what.ok_or_else(|| xml::not_understood(format!("pin `{pin}` of {}", describe(node)), variable))?;
+            match what {
+                st::Pin::Input | st::Pin::Reset => {
+                    let condition = match &text {
+                        Some(text) => {
+                            let value = cx.expression(text, variable)?.0;
+                            Condition::simple(value.bool().ok_or_else(|| needs_bool(variable))?)
+                        }
+                        None => self.condition(&lines, cx)?,
+                    };
+                    let condition = self.modify(condition, variable, cx)?;
+                    let place = if what == st::Pin::Input { &mut call.input } else { &mut call.reset };
+                    *place = Some(condition);
+                }
+                st::Pin::Preset => {
+                    let value = match &text {
+                        Some(text) => cx.expression(text, variable)?.0,
+                        None => self.number(&lines, node, cx)?,
+                    };
+                    st::give(&mut call, what, value).map_err(|f| broken(f, pin, variable))?;
+                }
+            }
+        }
+        if pins(node, "inOutVariables").next().is_some() {
+            return Err(xml::not_understood(format!("the in-out variables of {}", describe(node)), node));
+        }
+        self.calls.push(Statement::Call(call));
+        for variable in pins(node, "outputVariables") {
+            self.assign_output(variable, block, cx)?;
+        }
+        Ok(())
+    }
+
+    /// CODESYS names within an output pin the variable that it is assigned to.
+    fn assign_output(&mut self, variable: Node<'a>, block: BlockId, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
+        let target = xml::child(variable, "connectionPointOut").and_then(|p| xml::child(p, "expression"));
+        let target = target.map(xml::text).unwrap_or_default();
+        let target = target.trim();
+        // The placeholder of a pin that nothing is assigned to.
+        if target.is_empty() || target == "???" {
+            return Ok(());
+        }
+        let pin = xml::required(variable, "formalParameter")?;
+        let value = st::output(block, pin, cx.blocks)
+            .ok_or_else(|| xml::not_understood(format!("the output pin `{pin}`"), variable))?;
+        if xml::flag(variable, "negated") || given(variable, "edge").is_some() {
+            return Err(xml::not_understood("an assigned output pin with negation or edge", variable));
+        }
+        let path: Vec<&str> = target.split('.').collect();
+        let statement = st::assignment(&path, value, &cx.scope).map_err(|f| broken(f, target, variable))?;
+        self.calls.push(statement);
+        Ok(())
+    }
+
+    /// The output of a block that has been called, from which a line comes.
+    fn output(&mut self, line: &Line<'a>, cx: &mut Context<'_, '_>) -> Result<Value, Problem> {
+        let node = self.body.elements[line.from];
+        let name = xml::required(node, "instanceName")?;
+        let block = instance(name, node, cx)?;
+        let pin = output_pin(node, line)?;
+        let parameter = xml::required(pin, "formalParameter")?;
+        let value = st::output(block, parameter, cx.blocks)
+            .ok_or_else(|| xml::not_understood(format!("pin `{parameter}` of {}", describe(node)), line.node))?;
+        match value {
+            Value::Bool(value) => Ok(Value::Bool(self.modify(Condition::simple(value), pin, cx)?.value)),
+            Value::Int(_) | Value::Time(_) => Ok(value),
+        }
+    }
+}
+
+/// The pin of a block from which a line comes: the one it names, the one where it ends, or the only
+/// one.
+fn output_pin<'a>(node: Node<'a>, line: &Line<'a>) -> Result<Node<'a>, Problem> {
+    let coordinates = |n: Node<'a>| -> Option<(i64, i64)> {
+        Some((xml::attribute(n, "x")?.parse().ok()?, xml::attribute(n, "y")?.parse().ok()?))
+    };
+    let at = || -> Option<Node<'a>> {
+        let (x, y) = coordinates(xml::children_named(line.node, "position").last()?)?;
+        let (block_x, block_y) = coordinates(xml::child(node, "position")?)?;
+        pins(node, "outputVariables").find(|pin| {
+            let place = xml::child(*pin, "connectionPointOut").and_then(|p| xml::child(p, "relPosition"));
+            place.and_then(coordinates) == Some((x.wrapping_sub(block_x), y.wrapping_sub(block_y)))
+        })
+    };
+    let found = match line.parameter {
+        Some(name) => pins(node, "outputVariables")
+            .find(|pin| xml::attribute(*pin, "formalParameter").is_some_and(|p| p.eq_ignore_ascii_case(name))),
+        None => at().or_else(|| {
+            let mut all = pins(node, "outputVariables");
+            all.next().filter(|_| all.next().is_none())
+        }),
+    };
+    found.ok_or_else(|| {
+        let message = format!("a line does not say from which output of {} it comes", describe(node));
+        xml::problem(Code::Unconnected, message, line.node)
+    })
+}
+
+fn pins<'a>(node: Node<'a>, list: &'static str) -> impl Iterator<Item = Node<'a>> {
+    xml::child(node, list).into_iter().flat_map(|n| xml::children_named(n, "variable"))
+}
+
+fn instance(name: &str, node: Node<'_>, cx: &Context<'_, '_>) -> Result<BlockId, Problem> {
+    use super::scope::Meaning;
+    match cx.scope.find(&name.split('.').collect::<Vec<_>>()) {
+        Some(Meaning::Block(block)) => Ok(block),
+        Some(_) => Err(xml::not_understood(format!("the function block {}", describe(node)), node)),
+        None => Err(xml::problem(Code::Undeclared, format!("the function block `{name}` is not declared"), node)),
+    }
+}
+
+/// The value of an inVariable.
+pub fn in_variable(node: Node<'_>, cx: &Context<'_, '_>) -> Result<(Value, Binding), Problem> {
+    // Beremiz drops the negation.
+    if xml::flag(node, "negated") {
+        return Err(xml::not_understood(format!("the negation of {}", describe(node)), node));
+    }
+    let text = xml::child(node, "expression").map(xml::text).unwrap_or_default();
+    cx.expression(&text, node)
+}
+
+/// An attribute that may be `none`.
+pub fn given<'a>(node: Node<'a>, name: &str) -> Option<&'a str> {
+    xml::attribute(node, name).filter(|v| *v != "none")
+}
+
+fn needs_bool(node: Node<'_>) -> Problem {
+    xml::problem(Code::BrokenText, format!("{} is not of type BOOL", describe(node)), node)
+}
+
+/// Whether repeating a value costs no more than referring to it.
+fn simple(value: &Bool) -> bool {
+    match value {
+        Expr::Const(_) | Expr::Atom(_) => true,
+        Expr::Not(inner) => matches!(**inner, Expr::Atom(_)),
+        Expr::And(_) | Expr::Or(_) | Expr::Xor(..) => false,
+    }
+}

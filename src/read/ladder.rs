@@ -1,0 +1,150 @@
+//! Ladder bodies to statements.
+//!
+//! Coils and assigned variables run in document order. In files of the Beremiz family a function
+//! block runs before its first user, one with an execution order before everything, and one that
+//! nobody uses after everything: so does its code generator. In the CODESYS family a block runs
+//! where it stands, or before its first user.
+
+use super::Problem;
+use super::body::{Body, describe};
+use super::flow::{Flow, given};
+use super::program::{Context, broken};
+use super::st::{self, Value};
+use super::xml::{self, Family, Node};
+use crate::base::Code;
+use crate::ir::iec::{Coil, CoilKind, Condition, Kind, Statement};
+
+/// Reads what stands within `LD`.
+pub fn read(content: Node<'_>, cx: &mut Context<'_, '_>) -> Vec<Statement> {
+    let body = Body::new(content, cx.problems);
+    let mut flow = Flow::new(&body);
+    let mut statements = Vec::new();
+    for element in sequence(&body, cx) {
+        let node = body.elements[element];
+        let end = match node.tag_name().name() {
+            "coil" => coil(node, &mut flow, cx).map(Some),
+            "outVariable" => out_variable(node, &body, &mut flow, cx).map(Some),
+            _ => flow.call(element, cx).map(|()| None),
+        };
+        statements.append(&mut flow.calls);
+        match end {
+            Ok(statement) => statements.extend(statement),
+            Err(problem) => cx.report(problem),
+        }
+    }
+    statements
+}
+
+/// The elements that do something, in the order in which they do.
+fn sequence(body: &Body<'_>, cx: &mut Context<'_, '_>) -> Vec<usize> {
+    let (mut first, mut ends, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, &node) in body.elements.iter().enumerate() {
+        let place = xml::attribute(node, "executionOrderId").and_then(|n| n.parse::<u64>().ok()).filter(|&n| n > 0);
+        match (node.tag_name().name(), place, cx.family) {
+            ("block" | "outVariable", Some(place), Family::Beremiz) => first.push((place, index)),
+            ("coil" | "outVariable", _, _) | ("block", _, Family::Codesys) => ends.push(index),
+            ("block", None, Family::Beremiz) => blocks.push(index),
+            ("leftPowerRail" | "rightPowerRail" | "contact" | "inVariable" | "comment", _, _) => {}
+            ("vendorElement", _, _) if is_title(node) => {}
+            _ => cx.report(xml::not_understood(describe(node), node)),
+        }
+    }
+    first.sort();
+    first.into_iter().map(|(_, index)| index).chain(ends).chain(blocks).collect()
+}
+
+/// Whether a vendor element is the title of a network.
+fn is_title(node: Node<'_>) -> bool {
+    let mut types = xml::descendants(node, "ElementType");
+    types.next().is_some_and(|n| xml::text(n).trim() == "networktitle") && types.next().is_none()
+}
+
+fn coil<'a>(node: Node<'a>, flow: &mut Flow<'_, 'a>, cx: &mut Context<'_, '_>) -> Result<Statement, Problem> {
+    let name = xml::child(node, "variable").map(xml::text).unwrap_or_default();
+    let path: Vec<&str> = name.trim().split('.').collect();
+    let (variable, kind) = st::writable(&path, &cx.scope).map_err(|f| broken(f, &name, node))?;
+    if kind != Kind::Bool {
+        return Err(xml::problem(Code::BrokenText, format!("{} is not of type BOOL", describe(node)), node));
+    }
+    let kind = match given(node, "storage") {
+        None => CoilKind::Plain,
+        Some("set") => CoilKind::Set,
+        Some("reset") => CoilKind::Reset,
+        Some(_) => return Err(xml::not_understood(format!("the storage of {}", describe(node)), node)),
+    };
+    if kind != CoilKind::Plain && (xml::flag(node, "negated") || given(node, "edge").is_some()) {
+        let message = format!("{} with storage and negation or edge", describe(node));
+        return Err(xml::not_understood(message, node));
+    }
+    let lines = flow.inputs(node)?;
+    let condition = flow.condition(&lines, cx)?;
+    let condition = flow.modify(condition, node, cx)?;
+    Ok(Statement::Coil(Coil { condition, variable, kind }))
+}
+
+fn out_variable<'a>(
+    node: Node<'a>,
+    body: &Body<'a>,
+    flow: &mut Flow<'_, 'a>,
+    cx: &mut Context<'_, '_>,
+) -> Result<Statement, Problem> {
+    let name = xml::child(node, "expression").map(xml::text).unwrap_or_default();
+    let path: Vec<&str> = name.trim().split('.').collect();
+    let (variable, kind) = st::writable(&path, &cx.scope).map_err(|f| broken(f, &name, node))?;
+    if xml::flag(node, "negated") {
+        return Err(xml::not_understood(format!("the negation of {}", describe(node)), node));
+    }
+    let lines = flow.inputs(node)?;
+    match kind {
+        Kind::Bool => {
+            let condition = flow.condition(&lines, cx)?;
+            Ok(Statement::Coil(Coil { condition, variable, kind: CoilKind::Plain }))
+        }
+        Kind::Int { .. } | Kind::Time => {
+            let lines = body.lines(node)?;
+            let value = flow.number(&lines, node, cx)?;
+            st::assignment(&path, value, &cx.scope).map_err(|f| broken(f, &name, node))
+        }
+    }
+}
+
+/// The condition that a transition's own ladder body gives to the transition's name, and the calls
+/// that come before it.
+pub fn transition(
+    content: Node<'_>,
+    name: &str,
+    cx: &mut Context<'_, '_>,
+) -> Result<(Condition, Vec<Statement>), Problem> {
+    let body = Body::new(content, cx.problems);
+    let mut flow = Flow::new(&body);
+    let mut found = None;
+    for &node in &body.elements {
+        let variable = match node.tag_name().name() {
+            "coil" => xml::child(node, "variable"),
+            "outVariable" => xml::child(node, "expression"),
+            _ => continue,
+        };
+        let variable = variable.map(xml::text).unwrap_or_default();
+        let plain = !xml::flag(node, "negated") && given(node, "edge").is_none() && given(node, "storage").is_none();
+        // A generator drops whatever else the body does, and whatever the coil does to its value.
+        if !variable.trim().eq_ignore_ascii_case(name) || !plain || found.is_some() {
+            return Err(xml::not_understood(format!("{} in the body of transition `{name}`", describe(node)), node));
+        }
+        let lines = flow.inputs(node)?;
+        found = Some(flow.condition(&lines, cx)?);
+    }
+    match found {
+        Some(condition) => Ok((condition, flow.calls)),
+        None => {
+            let message = format!("the body of transition `{name}` gives it no condition");
+            Err(xml::problem(Code::Unconnected, message, content))
+        }
+    }
+}
+
+/// A BOOL value as a condition.
+pub fn truth(value: Value, what: &str, node: Node<'_>) -> Result<Condition, Problem> {
+    let value =
+        value.bool().ok_or_else(|| xml::problem(Code::BrokenText, format!("{what} is not of type BOOL"), node))?;
+    Ok(Condition::simple(value))
+}

@@ -1,0 +1,226 @@
+//! PLCopen XML of any origin to a PLC project as it is executed.
+//!
+//! It reads what Beremiz, CODESYS and their kin write, in either namespace and by either family's
+//! conventions, and whatever means the same in both; of the compiler's own writer it knows nothing.
+//! What has no definite meaning, or what widespread tools are known to get wrong, it refuses and
+//! names the element: a wrong reading would be worse than none.
+//!
+//! | module | from | to |
+//! | --- | --- | --- |
+//! | [`xml`] | text | tree of elements |
+//! | [`declarations`] | lists of variables | variables, blocks, names |
+//! | [`body`] | drawn body | elements by number, lines between them |
+//! | [`token`], [`st`] | structured text | tokens, then expressions and statements |
+//! | [`flow`], [`ladder`] | contacts, blocks, coils | statements |
+//! | [`sfc`], [`order`], [`actions`] | steps and lines between them | chart |
+//!
+//! Nothing here recurses without a bound, and nothing panics, whatever the input.
+
+mod actions;
+mod body;
+mod declarations;
+mod flow;
+mod ladder;
+mod literal;
+mod order;
+mod program;
+mod scope;
+mod sfc;
+mod st;
+mod token;
+mod xml;
+
+use crate::base::iec::fold;
+use crate::base::{Code, Diagnostic, Diagnostics};
+use crate::ir::iec::{Body, Program, Project, Scope as Place, Task, TaskId};
+use program::Context;
+use scope::{Globals, Names, Scope};
+use std::collections::BTreeMap;
+use xml::{Family, Node};
+
+/// What is wrong with a file.
+type Problem = Diagnostic;
+
+/// Reads PLCopen XML. Without errors among the diagnostics, whose places are in `text`, there is a
+/// project.
+pub fn read(text: &str) -> (Option<Project>, Diagnostics) {
+    let mut problems = Diagnostics::new();
+    let mut project = Project::default();
+    match xml::parse(text) {
+        Ok(document) => match xml::root(&document) {
+            Ok((root, family)) => read_project(root, family, &mut project, &mut problems),
+            Err(problem) => problems.push(problem),
+        },
+        Err(problem) => problems.push(problem),
+    }
+    problems.sort();
+    let project = (!problems.has_errors()).then_some(project);
+    (project, problems)
+}
+
+fn read_project(root: Node<'_>, family: Family, project: &mut Project, problems: &mut Diagnostics) {
+    let header = xml::child(root, "contentHeader");
+    project.name = header.and_then(|n| xml::attribute(n, "name")).unwrap_or_default().to_owned();
+    declarations::clashing_addresses(root, problems);
+    let globals = read_globals(root, project, problems);
+    let types = read_types(root, problems);
+    for instance in instances(root, &types, project, problems) {
+        let body = read_program(&instance, family, &globals, project, problems);
+        let Instance { name, task, pou } = instance;
+        let kind = xml::attribute(pou, "name").unwrap_or_default().to_owned();
+        project.programs.push(Program { name, kind, task, body });
+    }
+}
+
+/// The global variables, in configurations, resources and vendor data alike.
+fn read_globals(root: Node<'_>, project: &mut Project, problems: &mut Diagnostics) -> Globals {
+    let mut globals = Globals::default();
+    for list in xml::descendants(root, "globalVars") {
+        if list.parent().is_some_and(|n| xml::is(n, "interface")) {
+            problems.push(xml::not_understood("a program with global variables of its own", list));
+            continue;
+        }
+        globals.lists.extend(xml::attribute(list, "name").map(fold));
+        declarations::declare(list, Place::Global, &mut globals.names, project, problems);
+    }
+    globals
+}
+
+/// The program organisation units by folded name, wherever they stand.
+fn read_types<'a>(root: Node<'a>, problems: &mut Diagnostics) -> BTreeMap<String, Node<'a>> {
+    let mut types = BTreeMap::new();
+    for pou in xml::descendants(root, "pou") {
+        let Some(name) = xml::attribute(pou, "name") else { continue };
+        if types.insert(fold(name), pou).is_some() {
+            problems.push(xml::problem(Code::Clash, format!("two programs have the name `{name}`"), pou));
+        }
+    }
+    types
+}
+
+/// A program that runs.
+struct Instance<'a> {
+    name: String,
+    task: Option<TaskId>,
+    pou: Node<'a>,
+}
+
+/// The programs that run, in the order in which they do: task by task, then those without a task.
+/// Where nothing runs, the file was exported without tasks, and all programs run as they stand.
+fn instances<'a>(
+    root: Node<'a>,
+    types: &BTreeMap<String, Node<'a>>,
+    project: &mut Project,
+    problems: &mut Diagnostics,
+) -> Vec<Instance<'a>> {
+    let mut list = Vec::new();
+    let resources: Vec<_> = xml::descendants(root, "resource").filter(|r| xml::child(*r, "task").is_some()).collect();
+    if let [_, second, ..] = resources[..] {
+        problems.push(xml::not_understood("a second resource with tasks", second));
+    }
+    for task in xml::descendants(root, "task") {
+        match read_task(task) {
+            Ok(read) => {
+                let id = project.tasks.push(read);
+                list.extend(xml::children_named(task, "pouInstance").map(|n| (n, Some(id))));
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    for resource in xml::descendants(root, "resource") {
+        list.extend(xml::children_named(resource, "pouInstance").map(|n| (n, None)));
+    }
+    let programs = types.values().filter(|n| xml::attribute(**n, "pouType") == Some("program"));
+    if list.is_empty() {
+        let mut programs: Vec<_> = programs.copied().collect();
+        programs.sort_by_key(|n| n.range().start);
+        let name = |n: Node<'a>| xml::attribute(n, "name").unwrap_or_default().to_owned();
+        return programs.into_iter().map(|pou| Instance { name: name(pou), task: None, pou }).collect();
+    }
+    let mut names = BTreeMap::new();
+    let mut instances = Vec::new();
+    for (node, task) in list {
+        match read_instance(node, task, types) {
+            Ok(instance) => {
+                if names.insert(fold(&instance.name), ()).is_some() {
+                    let message = format!("two instances have the name `{}`", instance.name);
+                    problems.push(xml::problem(Code::Clash, message, node));
+                }
+                instances.push(instance);
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    instances
+}
+
+fn read_task(node: Node<'_>) -> Result<Task, Problem> {
+    let name = xml::required(node, "name")?.to_owned();
+    if xml::attribute(node, "single").is_some() {
+        return Err(xml::not_understood(format!("task `{name}`, which an event starts,"), node));
+    }
+    let Some(text) = xml::attribute(node, "interval") else {
+        return Err(xml::not_understood(format!("task `{name}` without an interval"), node));
+    };
+    match literal::interval(text) {
+        Some(interval) if interval > 0 => Ok(Task { name, interval }),
+        _ => Err(xml::problem(Code::BrokenText, format!("`{text}` is no interval of a task"), node)),
+    }
+}
+
+fn read_instance<'a>(
+    node: Node<'a>,
+    task: Option<TaskId>,
+    types: &BTreeMap<String, Node<'a>>,
+) -> Result<Instance<'a>, Problem> {
+    let name = xml::required(node, "name")?;
+    // CODESYS leaves it empty: an instance is its program.
+    let kind = xml::attribute(node, "typeName").unwrap_or(name);
+    match types.get(&fold(kind)) {
+        Some(&pou) if xml::attribute(pou, "pouType") == Some("program") => {
+            Ok(Instance { name: name.to_owned(), task, pou })
+        }
+        Some(_) => Err(xml::not_understood(format!("`{kind}`, which is no program, as an instance"), node)),
+        None => Err(xml::problem(Code::Undeclared, format!("there is no program `{kind}`"), node)),
+    }
+}
+
+/// Declares the variables of a program and reads its body.
+fn read_program(
+    instance: &Instance<'_>,
+    family: Family,
+    globals: &Globals,
+    project: &mut Project,
+    problems: &mut Diagnostics,
+) -> Body {
+    let place = Place::Program(project.programs.len());
+    let mut locals = Names::new();
+    for list in xml::child(instance.pou, "interface").into_iter().flat_map(xml::children) {
+        match list.tag_name().name() {
+            "localVars" | "inputVars" | "outputVars" => {
+                declarations::declare(list, place, &mut locals, project, problems);
+            }
+            "externalVars" => declarations::import(list, globals, &mut locals, problems),
+            "documentation" | "addData" => {}
+            other => problems.push(xml::not_understood(format!("`{other}` of a program"), list)),
+        }
+    }
+    let visible = (family == Family::Codesys).then_some(globals);
+    let scope = Scope { locals, globals: visible, steps: BTreeMap::new() };
+    let blocks = &mut project.blocks;
+    let mut context = Context { family, scope, place, blocks, problems };
+    let Some(body) = xml::child(instance.pou, "body") else {
+        context.report(xml::problem(Code::Unconnected, "a program has no body", instance.pou));
+        return Body::Code(Vec::new());
+    };
+    match xml::child(body, "SFC") {
+        Some(content) => Body::Sfc(sfc::read(instance.pou, content, &mut context)),
+        None => match actions::statements(body, &mut context) {
+            Ok(statements) => Body::Code(statements),
+            Err(problem) => {
+                context.report(problem);
+                Body::Code(Vec::new())
+            }
+        },
+    }
+}

@@ -1,0 +1,54 @@
+//! The examples of the documentation mean what they should.
+
+use crate::support::models::repository;
+use chartwright::pipeline;
+
+/// The fenced blocks of a page with the words behind the fence and the line where each begins.
+fn fences(page: &str) -> Vec<(String, String, usize)> {
+    let mut found = Vec::new();
+    let mut open: Option<(String, String, usize)> = None;
+    for (i, line) in page.lines().enumerate() {
+        match (line.strip_prefix("```"), &mut open) {
+            (Some(words), None) => open = Some((words.trim().to_owned(), String::new(), i + 1)),
+            (Some(_), Some(_)) => found.extend(open.take()),
+            (None, Some((_, text, _))) => {
+                text.push_str(line);
+                text.push('\n');
+            }
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a fence is not closed");
+    found
+}
+
+#[test]
+fn complete_examples_of_the_language_reference_have_no_errors() {
+    let page = std::fs::read_to_string(repository("docs/language.md")).expect("the reference is there");
+    let mut complete = 0;
+    for (words, text, line) in fences(&page) {
+        match words.as_str() {
+            "chart" => {
+                let (machine, diagnostics) = pipeline::check(&text);
+                assert!(machine.is_some(), "docs/language.md:{line}: {diagnostics:#?}");
+                complete += 1;
+            }
+            "chart partial" | "text" | "pest" | "" => {}
+            other => panic!("docs/language.md:{line}: what is `{other}`?"),
+        }
+    }
+    assert!(complete > 0, "the reference has a complete example");
+}
+
+#[test]
+fn readme_shows_the_real_indexa() {
+    let readme = std::fs::read_to_string(repository("README.md")).expect("README is there");
+    let indexa = std::fs::read_to_string(repository("models/indexa.chart")).expect("INDEXA is there");
+    let squeezed = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let model = squeezed(&indexa);
+    let shown =
+        fences(&readme).into_iter().find(|(_, t, _)| t.contains("actuator Vertical")).expect("README shows INDEXA");
+    for block in shown.1.split("\n\n") {
+        assert!(model.contains(&squeezed(block)), "README shows what the model does not say:\n{block}");
+    }
+}

@@ -12,6 +12,8 @@ mod mutants;
 mod random_models;
 mod regressions;
 mod scenarios;
+mod program_mutants;
+mod prove;
 mod snapshots;
 mod stability;
 mod support;

@@ -3,6 +3,9 @@
 pub mod binary;
 pub mod charts;
 pub mod items;
+pub mod damage;
+pub mod direct;
+pub mod generate;
 pub mod models;
 pub mod plc;
 pub mod random;

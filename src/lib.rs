@@ -13,8 +13,8 @@
 //! | [`layout`] | SFC, ladder | drawing |
 //! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
 //!
-//! Two more check what came out: [`read`] turns PLCopen XML of any origin into a PLC project as it
-//! is executed, [`simulate`] executes it scan by scan.
+//! Two more check what came out: [`read`] turns PLCopen XML of any origin into a PLC project as it is
+//! executed; [`simulate`] runs a machine and such a project scan by scan.
 //!
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.

@@ -16,7 +16,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("lower", &["base", "ir"]),
     ("layout", &["base", "ir"]),
     ("emit", &["base", "ir", "layout"]),
+    ("read", &["base", "ir"]),
+    ("simulate", &["base", "ir"]),
     ("stats", &["base", "ir"]),
+    ("prove", &["base", "ir"]),
     ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit"]),
     ("cli", &["base", "ir", "parse", "pipeline", "stats"]),
 ];

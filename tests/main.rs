@@ -11,6 +11,7 @@ mod licences;
 mod mutants;
 mod program_mutants;
 mod prove;
+mod random_models;
 mod snapshots;
 mod stability;
 mod support;

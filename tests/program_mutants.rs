@@ -1,9 +1,9 @@
 //! Programs with one thing wrong are refuted, and what is proved of one is true.
 
 use crate::support::damage::{Mutant, mutant};
-use crate::support::direct::executable;
+use crate::prove::{build, read_back};
 use crate::support::models;
-use chartwright::pipeline;
+use chartwright::pipeline::Dialect;
 use chartwright::prove::random::Random;
 use chartwright::prove::{Correspondence, Verdict, equivalence};
 
@@ -13,11 +13,10 @@ fn damaged_programs_are_refuted() {
     let models: Vec<_> = models::all()
         .into_iter()
         .map(|model| {
-            let (machine, _) = pipeline::check(&model.source);
-            let machine = machine.expect("the models are right");
-            let project = pipeline::lower(&machine);
-            let names = Correspondence::of(&machine, &project);
-            (model.name, machine, names, executable(&project))
+            let output = build(&model.source, Dialect::Beremiz).expect("the models are right");
+            let names = Correspondence::of(&output.machine, &output.project);
+            let program = read_back(&output);
+            (model.name, output.machine, names, program)
         })
         .collect();
     let mut random = Random::new(11);

@@ -3,9 +3,12 @@
 pub mod binary;
 pub mod charts;
 pub mod damage;
-pub mod direct;
 pub mod generate;
+pub mod items;
 pub mod models;
 pub mod plc;
+pub mod random;
 pub mod read;
+pub mod rng;
 pub mod schema;
+pub mod shrink;

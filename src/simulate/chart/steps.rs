@@ -1,0 +1,227 @@
+//! Transitions to tables: what each leaves and enters is known before the first scan.
+//!
+//! A transition's source lies in one state of its scope, and firing leaves that state with all that is
+//! inside, active or not: a mask over the words of states. What it enters depends on nothing but the
+//! transition: another mask, and for each entered region its new state.
+//!
+//! The table is sorted by the state of the scope that is left. So for an active region only the
+//! transitions that leave its active state are looked at, in the order in which they are tried.
+//!
+//! A step is two passes: the first looks for the transitions that fire, the second fires them. So
+//! guards read states and variables from before the step without a copy of them. Nothing is lost by
+//! it: of two transitions that fire in one scan, neither leaves or enters what the other does.
+
+use super::code::{Code, Condition, Layout, append, part};
+use crate::ir::chart::{Atom, Machine, RegionId, StateId, Transition, TransitionId};
+use crate::ir::expr::Expr;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// A transition.
+#[derive(Clone, Debug)]
+struct Step {
+    id: TransitionId,
+    /// Its guard; with it that its source is active, where that is not certain.
+    enabled: Condition,
+    changes: Range<u32>,
+    enters: Range<u32>,
+}
+
+/// What becomes of one word: first bits are cleared, then set.
+#[derive(Clone, Copy, Debug, Default)]
+struct Change {
+    word: u32,
+    clear: u64,
+    set: u64,
+}
+
+/// The tables of all transitions.
+#[derive(Clone, Debug)]
+pub struct Steps {
+    /// For each state, the transitions that leave it as the active state of their scope.
+    leaving: Vec<Range<u32>>,
+    steps: Vec<Step>,
+    changes: Vec<Change>,
+    enters: Vec<(RegionId, StateId)>,
+    /// For each state, its regions.
+    inside: Vec<Range<u32>>,
+    regions: Vec<RegionId>,
+    /// The outermost regions of all charts.
+    outermost: Range<u32>,
+    /// What the first scan enters.
+    initial: Vec<(RegionId, StateId)>,
+}
+
+/// Which state is active in each region, and room for work that never has to grow.
+#[derive(Clone, Debug)]
+pub struct Configuration {
+    /// The active state of each region; of an inactive region, anything.
+    active: Vec<StateId>,
+    /// The transitions that fired in this scan.
+    fired: Vec<TransitionId>,
+    /// The same as places in the table.
+    firing: Vec<u32>,
+    /// Active regions that have still to be looked at.
+    open: Vec<RegionId>,
+}
+
+impl Configuration {
+    /// For the regions of `machine`, before the first scan.
+    pub fn of(machine: &Machine) -> Configuration {
+        // Each region is looked at and fires at most once in a scan.
+        let regions = machine.regions.len();
+        Configuration {
+            active: machine.regions.values().map(|r| r.initial).collect(),
+            fired: Vec::with_capacity(regions),
+            firing: Vec::with_capacity(regions),
+            open: Vec::with_capacity(regions),
+        }
+    }
+
+    /// The transitions that fired in this scan, those of outer regions first.
+    pub fn fired(&self) -> &[TransitionId] {
+        &self.fired
+    }
+}
+
+impl Steps {
+    /// Tabulates the transitions of `machine`; their guards go into `code`.
+    pub fn of(machine: &Machine, layout: Layout, code: &mut Code) -> Steps {
+        let mut all = Steps {
+            leaving: Vec::with_capacity(machine.states.len()),
+            steps: Vec::with_capacity(machine.transitions.len()),
+            changes: Vec::new(),
+            enters: Vec::new(),
+            inside: Vec::with_capacity(machine.states.len()),
+            regions: Vec::with_capacity(machine.regions.len()),
+            outermost: 0..0,
+            initial: Vec::new(),
+        };
+        all.outermost = append(&mut all.regions, machine.charts.iter().flat_map(|c| c.regions.iter().copied()));
+        for &region in part(&all.regions, &all.outermost) {
+            enter(machine, machine.regions[region].initial, None, &mut all.initial);
+        }
+        for state in machine.states.values() {
+            let range = append(&mut all.regions, state.regions.iter().copied());
+            all.inside.push(range);
+        }
+        let mut by_state: Vec<Vec<TransitionId>> = vec![Vec::new(); machine.states.len()];
+        for id in machine.scoped().into_iter().flatten() {
+            by_state[leaves(machine, &machine.transitions[id]).index()].push(id);
+        }
+        let within = within(machine, layout);
+        for (state, list) in by_state.into_iter().enumerate() {
+            let from = all.steps.len() as u32;
+            for id in list {
+                all.add(machine, layout, code, &within[state], id);
+            }
+            all.leaving.push(from..all.steps.len() as u32);
+        }
+        all
+    }
+
+    fn add(&mut self, machine: &Machine, layout: Layout, code: &mut Code, within: &[(usize, u64)], id: TransitionId) {
+        let t = &machine.transitions[id];
+        let source = if t.source == leaves(machine, t) { Expr::TRUE } else { Expr::Atom(Atom::In(t.source)) };
+        let enabled = code.add(machine, &Expr::all([source, t.guard.clone()]));
+
+        let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
+        let mut entered = Vec::new();
+        enter(machine, first, Some(t.target), &mut entered);
+
+        // Clearing and setting, by word.
+        let mut words: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
+        for &(word, mask) in within {
+            words.entry(word).or_default().0 |= mask;
+        }
+        for &(_, state) in &entered {
+            let (word, bit) = layout.state(state);
+            words.entry(word).or_default().1 |= bit;
+        }
+        for &(variable, value) in &t.effects {
+            let (word, bit) = layout.variable(variable);
+            let change = words.entry(word).or_default();
+            *(if value { &mut change.1 } else { &mut change.0 }) |= bit;
+        }
+        let changes = words.into_iter().map(|(word, (clear, set))| Change { word: word as u32, clear, set });
+        let changes = append(&mut self.changes, changes);
+        let enters = append(&mut self.enters, entered);
+        self.steps.push(Step { id, enabled, changes, enters });
+    }
+
+    /// Enters the initial states.
+    pub fn begin(&self, layout: Layout, words: &mut [u64], configuration: &mut Configuration) {
+        for &(region, state) in &self.initial {
+            configuration.active[region.index()] = state;
+            let (word, bit) = layout.state(state);
+            words[word] |= bit;
+        }
+    }
+
+    /// Each chart takes one step, effects on variables included.
+    pub fn step(&self, code: &Code, words: &mut [u64], configuration: &mut Configuration) {
+        let Configuration { active, fired, firing, open } = configuration;
+        fired.clear();
+        firing.clear();
+        open.extend_from_slice(part(&self.regions, &self.outermost));
+        while let Some(region) = open.pop() {
+            let state = active[region.index()].index();
+            let candidates = self.leaving[state].clone();
+            match part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, words)) {
+                Some(at) => firing.push(candidates.start + at as u32),
+                None => open.extend_from_slice(part(&self.regions, &self.inside[state])),
+            }
+        }
+        for &at in firing.iter() {
+            let step = &self.steps[at as usize];
+            for change in part(&self.changes, &step.changes) {
+                let word = &mut words[change.word as usize];
+                *word = *word & !change.clear | change.set;
+            }
+            for &(region, state) in part(&self.enters, &step.enters) {
+                active[region.index()] = state;
+            }
+            fired.push(step.id);
+        }
+    }
+
+    /// The states that the transitions that fired in this scan have entered.
+    pub fn entered<'a>(&'a self, configuration: &'a Configuration) -> impl Iterator<Item = StateId> + 'a {
+        let fired = configuration.firing.iter().map(|&at| &self.steps[at as usize]);
+        fired.flat_map(|step| part(&self.enters, &step.enters)).map(|&(_, state)| state)
+    }
+}
+
+/// The state of its scope that a transition leaves.
+fn leaves(machine: &Machine, transition: &Transition) -> StateId {
+    machine.child_in(transition.scope, transition.source).expect("the scope contains the source")
+}
+
+/// For each state, the words and masks of itself and all that is inside.
+fn within(machine: &Machine, layout: Layout) -> Vec<Vec<(usize, u64)>> {
+    let mut within: Vec<Vec<(usize, u64)>> = vec![Vec::new(); machine.states.len()];
+    for state in machine.states.ids() {
+        let (word, bit) = layout.state(state);
+        for outer in machine.ancestors(state) {
+            // States come in the order of their bits, so only the last word can be the same.
+            match within[outer.index()].last_mut() {
+                Some((last, mask)) if *last == word => *mask |= bit,
+                _ => within[outer.index()].push((word, bit)),
+            }
+        }
+    }
+    within
+}
+
+/// What is entered with `state`: on the way down to `target` each region that contains it takes that
+/// way, every other region its initial state.
+fn enter(machine: &Machine, state: StateId, target: Option<StateId>, into: &mut Vec<(RegionId, StateId)>) {
+    into.push((machine.states[state].region, state));
+    let target = target.filter(|&t| t != state);
+    for &region in &machine.states[state].regions {
+        match target.and_then(|t| machine.child_in(region, t)) {
+            Some(child) => enter(machine, child, target, into),
+            None => enter(machine, machine.regions[region].initial, None, into),
+        }
+    }
+}

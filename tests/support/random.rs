@@ -1,0 +1,206 @@
+//! Models by chance: a seed to the text of a `.chart` file.
+//!
+//! The generator knows enough of the language's rules that most of what it makes is valid: variables
+//! and coils of bistable actuators are dealt out to regions that run side by side, every state has a
+//! way in, an output that constraints force both ways is only held or hindered at its edges. It does
+//! not know all of them, so that the checks have something to do; what they find is thrown away.
+//!
+//! Names are unique in the whole text, so that what mentions a thing can be found by its name.
+
+mod behaviour;
+mod safety;
+mod tree;
+
+use super::items::Item;
+use super::rng::Rng;
+
+/// A model: its items, from which [`items::text`](super::items::text) makes the source.
+pub fn model(seed: u64) -> Vec<Item> {
+    let mut rng = Rng::new(seed);
+    let size = match rng.below(10) {
+        0..=1 => rng.between(1, 9),
+        2..=7 => rng.between(10, 30),
+        _ => rng.between(30, 60),
+    };
+    let mut model = Model::new(rng, size);
+    model.tree(size);
+    model.transitions();
+    model.behaviour();
+    let safety = model.safety();
+    let mut items = model.declarations();
+    items.extend(model.charts());
+    items.extend(safety);
+    items
+}
+
+/// What an actuator is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Technology {
+    Bistable,
+    Monostable,
+    OnOff,
+}
+
+/// An actuator; its outputs are numbers of outputs.
+#[derive(Clone, Debug)]
+struct Actuator {
+    technology: Technology,
+    /// The outputs of its two positions.
+    outputs: [Option<usize>; 2],
+    /// Of the form `by`, which has no sensors.
+    short: bool,
+}
+
+/// A region.
+#[derive(Clone, Debug)]
+struct Region {
+    /// Its number among those with a name.
+    name: Option<usize>,
+    parent: Option<usize>,
+    actuator: Option<usize>,
+    states: Vec<usize>,
+    initial: usize,
+    /// The variables that may be written in it.
+    variables: Vec<usize>,
+    /// The bistable actuators that may be driven in it.
+    bistable: Vec<usize>,
+    lines: Vec<Item>,
+}
+
+/// A state, movements included.
+#[derive(Clone, Debug)]
+struct State {
+    name: String,
+    region: usize,
+    regions: Vec<usize>,
+    is_final: bool,
+    /// Index of its position, where its region has an actuator; a movement has none.
+    position: Option<usize>,
+    movement: bool,
+    /// How many transitions name it as their source.
+    ways_out: usize,
+    /// Drives, actions and transitions beside the regions of a parallel state.
+    lines: Vec<Item>,
+}
+
+/// What becomes a text.
+struct Model {
+    rng: Rng,
+    inputs: usize,
+    variables: usize,
+    outputs: usize,
+    actuators: Vec<Actuator>,
+    regions: Vec<Region>,
+    states: Vec<State>,
+    /// For each chart its outermost regions.
+    charts: Vec<Vec<usize>>,
+    /// What names of states begin with.
+    prefix: &'static str,
+    names: usize,
+    priorities: Vec<usize>,
+    addresses: bool,
+}
+
+impl Model {
+    fn new(mut rng: Rng, size: usize) -> Model {
+        // Now and then more than fit into a word.
+        let inputs = if rng.chance(6) { rng.between(33, 70) } else { rng.between(2, 9) };
+        let many = if rng.chance(4) { 36 } else { (1 + size / 6).min(8) };
+        let mut actuators = Vec::new();
+        let mut outputs = 0;
+        for _ in 0..rng.between(1, many) {
+            let technology = *rng.pick(&[Technology::Bistable, Technology::Monostable, Technology::OnOff]);
+            let mut output = || {
+                outputs += 1;
+                Some(outputs - 1)
+            };
+            let (first, second) = match technology {
+                Technology::Bistable => (output(), output()),
+                Technology::Monostable | Technology::OnOff => (None, output()),
+            };
+            let short = technology == Technology::OnOff && rng.chance(60);
+            actuators.push(Actuator { technology, outputs: [first, second], short });
+        }
+        let mut priorities: Vec<usize> = (0..400).collect();
+        rng.shuffle(&mut priorities);
+        Model {
+            inputs,
+            variables: rng.below(5),
+            outputs,
+            actuators,
+            regions: Vec::new(),
+            states: Vec::new(),
+            charts: Vec::new(),
+            prefix: rng.pick::<&str>(&["S", "State", "Q", "AnExtraordinarilyLongNameForAState"]),
+            names: 0,
+            priorities,
+            addresses: rng.chance(60),
+            rng,
+        }
+    }
+
+    /// A number that no other name has.
+    fn number(&mut self) -> usize {
+        self.names += 1;
+        self.names
+    }
+
+    /// All that stands before the charts.
+    fn declarations(&mut self) -> Vec<Item> {
+        let at = |area: char, i: usize| format!(" at %{area}X{}.{}", i / 8, i % 8);
+        let address = |yes: bool, area: char, i: usize| if yes { at(area, i) } else { String::new() };
+        let mut items = vec![Item::line("machine Chance"), Item::line("cycle 10ms")];
+        let yes = self.addresses;
+        items.push(Item::block(
+            "inputs",
+            (0..self.inputs).map(|i| Item::line(format!("In{i}{}", address(yes, 'I', i)))),
+        ));
+        items.push(Item::block(
+            "outputs",
+            (0..self.outputs).map(|i| Item::line(format!("Out{i}{}", address(yes, 'Q', i)))),
+        ));
+        if self.variables > 0 {
+            let variables: Vec<Item> = (0..self.variables)
+                .map(|i| Item::line(format!("Var{i} : BOOL{}", self.rng.pick(&["", " := true", " := false"]))))
+                .collect();
+            items.push(Item::block("variables", variables));
+        }
+        for i in 0..self.actuators.len() {
+            let Actuator { technology, outputs, short } = self.actuators[i].clone();
+            let word = match technology {
+                Technology::Bistable => "bistable",
+                Technology::Monostable => "monostable",
+                Technology::OnOff => "onoff",
+            };
+            if short {
+                let output = outputs[1].expect("the second position has an output");
+                items.push(Item::line(format!("actuator Act{i} {word} by Out{output}")));
+                continue;
+            }
+            let mut positions = Vec::new();
+            for (p, output) in outputs.into_iter().enumerate() {
+                let output = output.map(|o| format!(" output Out{o}")).unwrap_or_default();
+                let sensor = if technology == Technology::OnOff { String::new() } else { self.sensor() };
+                positions.push(Item::line(format!("position {}{output}{sensor}", self.position(i, p))));
+            }
+            items.push(Item::block(format!("actuator Act{i} {word}"), positions));
+        }
+        items
+    }
+
+    fn sensor(&mut self) -> String {
+        let mut input = || format!("In{}", self.rng.below(self.inputs));
+        let (a, b) = (input(), input());
+        match self.rng.below(8) {
+            0 if a != b => format!(" sensor {a} and not {b}"),
+            1 if a != b => format!(" sensor {a} or {b}"),
+            2 => format!(" sensor not {a}"),
+            _ => format!(" sensor {a}"),
+        }
+    }
+
+    /// The name of a position of an actuator.
+    fn position(&self, actuator: usize, position: usize) -> String {
+        if self.actuators[actuator].short { ["Off", "On"][position].into() } else { format!("Pos{position}") }
+    }
+}

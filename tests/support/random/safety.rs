@@ -1,0 +1,137 @@
+//! Constraints and assumptions.
+//!
+//! For the filter to have a way out, no output may be forced or relieved both ways at once. So each
+//! output is only ever held off, or only ever held on, or both but at its edges: what has not been on
+//! may be kept off, what has been on may be kept on.
+
+use super::super::items::{self, Item};
+use super::Model;
+
+/// Which way constraints may force an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Off,
+    On,
+    Edge,
+}
+
+impl Model {
+    /// The safety part, in two of three models.
+    pub fn safety(&mut self) -> Option<Item> {
+        if self.rng.chance(30) {
+            return None;
+        }
+        let mut ways: Vec<Way> =
+            (0..self.outputs).map(|_| *self.rng.pick(&[Way::Off, Way::Off, Way::On, Way::Edge])).collect();
+        let mut items = Vec::new();
+        if self.outputs > 1 && self.rng.chance(15) {
+            // Held both ways, but never at once by assumption.
+            let output = self.outputs - 1;
+            let both = self.readings(" and ");
+            let (a, b) = both.split_once(" and ").expect("there are two");
+            items.push(Item::line(format!("ConA: never Out{output} and {a}")));
+            items.push(Item::line(format!("ConB: never not Out{output} and {b}")));
+            items.push(Item::line(format!("assume AssA: never {both}")));
+            ways.pop();
+        }
+        for i in 0..self.rng.between(1, 9) {
+            let text = if ways.len() > 1 && self.rng.chance(55) { self.combined(&ways) } else { self.simple(&ways) };
+            items.push(Item::line(format!("Con{i}: never {text}")));
+        }
+        while self.rng.chance(20) {
+            let number = self.number();
+            let readings = self.readings(" and ");
+            items.push(Item::line(format!("assume Ass{number}: never {readings}")));
+        }
+        Some(Item::block("safety supervisor", items))
+    }
+
+    /// A literal of an output that a constraint may make FALSE; now and then one that it may not.
+    fn yielding(&mut self, ways: &[Way], output: usize) -> String {
+        let way = if self.rng.chance(1) { Way::Off } else { ways[output] };
+        match (way, self.rng.below(4)) {
+            (Way::Off, 0) => format!("rise(Out{output})"),
+            (Way::Off, _) => format!("Out{output}"),
+            (Way::On, 0) => format!("fall(Out{output})"),
+            (Way::On, _) => format!("not Out{output}"),
+            (Way::Edge, 0..=1) => format!("rise(Out{output})"),
+            (Way::Edge, _) => format!("fall(Out{output})"),
+        }
+    }
+
+    fn simple(&mut self, ways: &[Way]) -> String {
+        let output = self.rng.below(ways.len());
+        let literal = self.yielding(ways, output);
+        match self.rng.below(20) {
+            0 => literal,
+            1..=10 => format!("{literal} and {}", self.reading()),
+            11..=14 => format!("{literal} and {}", self.readings(" and ")),
+            15..=17 => format!("{literal} and ({})", self.readings(" or ")),
+            _ => format!("{literal} and ({})", self.readings(" xor ")),
+        }
+    }
+
+    fn combined(&mut self, ways: &[Way]) -> String {
+        let mut outputs: Vec<usize> = (0..ways.len()).collect();
+        self.rng.shuffle(&mut outputs);
+        outputs.truncate(self.rng.between(2, 4.min(ways.len())));
+        let first = self.yielding(ways, outputs[0]);
+        let mut yields = vec![outputs[0]];
+        let mut others = Vec::new();
+        for &output in &outputs[1..] {
+            if self.rng.chance(20) {
+                others.push(self.yielding(ways, output));
+                yields.push(output);
+            } else {
+                let form = *self.rng.pick(&["Out", "Out", "not Out", "not Out", "rise", "fall"]);
+                others.push(match form {
+                    "rise" | "fall" => format!("{form}(Out{output})"),
+                    _ => format!("{form}{output}"),
+                });
+            }
+        }
+        let mut text = match others.as_slice() {
+            [a, b, ..] if yields.len() == 1 && self.rng.chance(30) => {
+                format!("{first} and ({a} {} {b})", self.rng.pick(&["or", "xor"]))
+            }
+            _ => {
+                others.push(first);
+                self.rng.shuffle(&mut others);
+                others.join(" and ")
+            }
+        };
+        match self.rng.below(10) {
+            0..=5 => {}
+            6..=8 => text = format!("{text} and {}", self.reading()),
+            _ => text = format!("{text} and {}", self.readings(" and ")),
+        }
+        let yields: Vec<String> = yields.into_iter().map(|o| format!("Out{o}")).collect();
+        format!("{text} yields {}", yields.join(", "))
+    }
+
+    /// Two literals of different things.
+    fn readings(&mut self, operator: &str) -> String {
+        let a = self.reading();
+        loop {
+            let b = self.reading();
+            let of_a = items::words(&a);
+            if !items::words(&b).iter().any(|w| of_a.contains(w) && w.ends_with(|c: char| c.is_ascii_digit())) {
+                return format!("{a}{operator}{b}");
+            }
+        }
+    }
+
+    /// A literal that constraints read but do not decide.
+    fn reading(&mut self) -> String {
+        let input = self.rng.below(self.inputs);
+        let text = match self.rng.below(20) {
+            0..=9 => format!("In{input}"),
+            10..=11 => format!("prev(In{input})"),
+            12..=14 => return format!("{}(In{input})", self.rng.pick(&["rise", "fall"])),
+            15..=16 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
+            _ => format!("In{input}"),
+        };
+        if self.rng.chance(35) { format!("not {text}") } else { text }
+    }
+}

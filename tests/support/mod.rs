@@ -7,6 +7,7 @@ pub mod generate;
 pub mod items;
 pub mod models;
 pub mod plc;
+pub mod proof;
 pub mod random;
 pub mod read;
 pub mod rng;

@@ -44,7 +44,8 @@ fn what_the_user_reads() {
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     for file in listing(MODELS) {
-        let command = if file.ends_with(".xml") { format!("prove ../../{COMPARED} {file}") } else { format!("check {file}") };
+        let command =
+            if file.ends_with(".xml") { format!("prove ../../{COMPARED} {file}") } else { format!("check {file}") };
         let output = chartwright(&repository(MODELS), &command);
         assert_eq!(code(&output), i32::from(file.starts_with('E')), "{file}");
         let name = file.trim_end_matches(".chart").trim_end_matches(".xml");

@@ -18,10 +18,7 @@ struct Result {
 pub fn run(args: &Args) -> Outcome {
     let mut report = Report::default();
     let mut texts = Vec::new();
-    for (path, read) in [
-        (&args.file, files::read(&args.file)),
-        (&args.program, files::read_program(&args.program)),
-    ] {
+    for (path, read) in [(&args.file, files::read(&args.file)), (&args.program, files::read_program(&args.program))] {
         match read {
             Ok(text) => texts.push(text),
             Err(diagnostic) => report.files.push(FileReport::failed(files::show(path), diagnostic)),

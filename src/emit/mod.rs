@@ -38,7 +38,11 @@ pub struct Header {
 
 impl Default for Header {
     fn default() -> Self {
-        Header { created: "1970-01-01T00:00:00".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned(), remark: None }
+        Header {
+            created: "1970-01-01T00:00:00".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            remark: None,
+        }
     }
 }
 

@@ -4,8 +4,8 @@ use crate::base::{Code, Diagnostic, Diagnostics, LineIndex};
 use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
-use crate::prove::{self, Verdict};
 use crate::ir::scenario::{Condition, Doing};
+use crate::prove::{self, Verdict};
 use crate::simulate::run::Program;
 use crate::{check, lower, parse, read, resolve};
 

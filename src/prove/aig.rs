@@ -289,11 +289,7 @@ impl Aig {
     }
 
     /// An expression, each of whose atoms `value` turns into a literal.
-    pub fn expression<A>(
-        &mut self,
-        e: &crate::ir::expr::Expr<A>,
-        value: &mut impl FnMut(&mut Aig, &A) -> Lit,
-    ) -> Lit {
+    pub fn expression<A>(&mut self, e: &crate::ir::expr::Expr<A>, value: &mut impl FnMut(&mut Aig, &A) -> Lit) -> Lit {
         use crate::ir::expr::Expr;
         match e {
             Expr::Const(c) => Lit::of(*c),

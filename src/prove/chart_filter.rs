@@ -79,8 +79,7 @@ pub fn products_say_what_is_written(machine: &Machine, sat: &mut Sat) -> Result<
         let written = aig.expression(never, &mut |aig, &atom| read(aig, atom));
         let mut split = Vec::new();
         for product in products {
-            let literals: Vec<Lit> =
-                product.literals().iter().map(|l| read(&mut aig, l.atom).xor(l.negated)).collect();
+            let literals: Vec<Lit> = product.literals().iter().map(|l| read(&mut aig, l.atom).xor(l.negated)).collect();
             split.push(aig.all(&literals));
         }
         let split = aig.any(&split);
@@ -117,12 +116,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(
-        aig: &mut Aig,
-        machine: &Machine,
-        commands: &[Lit],
-        read: &mut impl FnMut(&mut Aig, Atom) -> Lit,
-    ) -> Run {
+    fn new(aig: &mut Aig, machine: &Machine, commands: &[Lit], read: &mut impl FnMut(&mut Aig, Atom) -> Lit) -> Run {
         let count = machine.outputs.len();
         let constraints = &machine.safety.constraints;
         let mut run = Run {
@@ -145,7 +139,13 @@ impl Run {
                 } else {
                     let yields = outputs.iter().copied().filter(|(o, _)| constraint.yields.contains(o));
                     let reliefs = yields.collect();
-                    run.combined.push(Combined { constraint: id.index(), readings, outputs, reliefs, ever: Lit::FALSE });
+                    run.combined.push(Combined {
+                        constraint: id.index(),
+                        readings,
+                        outputs,
+                        reliefs,
+                        ever: Lit::FALSE,
+                    });
                 }
             }
         }

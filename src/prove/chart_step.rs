@@ -125,8 +125,7 @@ impl<'m> ChartStep<'m> {
             // Of two transitions only those out of the same state of the region can be enabled
             // together, so each state has its own order.
             let mut tried = vec![Lit::FALSE; region.states.len()];
-            let place: HashMap<StateId, usize> =
-                region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
+            let place: HashMap<StateId, usize> = region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
             for &t in &self.scoped[id.index()] {
                 let transition = &m.transitions[t];
                 let child = m.child_in(id, transition.source).expect("the scope holds the source");
@@ -239,8 +238,7 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after =
-            ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }

@@ -20,8 +20,8 @@ pub struct Correspondence {
     pub variables: Vec<String>,
     /// The global for each state that is TRUE while it is active.
     pub flags: Vec<String>,
-    /// For each state, the instance of the program that holds its step, and the step; nothing where
-    /// no step of its own stands for it.
+    /// For each state, the program that holds its step, and the step; nothing where no step of its own
+    /// stands for it.
     pub steps: Vec<Option<(String, String)>>,
     /// The global for each output's command.
     pub commands: Vec<Option<String>>,
@@ -29,8 +29,8 @@ pub struct Correspondence {
     pub acted: Vec<Option<String>>,
     /// The global for each assumption that is TRUE when the plant breaks it.
     pub broken: Vec<Option<String>>,
-    /// For each state and time in milliseconds that a guard waits for, the instance of the program that
-    /// holds its timer, and the timer.
+    /// For each state and time in milliseconds that a guard waits for, the program that holds its timer,
+    /// and the timer.
     pub timers: BTreeMap<(StateId, u32), (String, String)>,
 }
 
@@ -55,7 +55,7 @@ impl Correspondence {
                 Body::Sfc(sfc) => {
                     for step in sfc.steps.values() {
                         if let Some(flag) = step.flag {
-                            let place = (program.instance.clone(), step.name.clone());
+                            let place = (program.name.clone(), step.name.clone());
                             step_of.insert(&project.globals[flag].name, place);
                         }
                     }
@@ -64,7 +64,7 @@ impl Correspondence {
                     for rung in &ladder.rungs {
                         let state = rung.origin.span.and_then(|span| by_span.get(&span));
                         if let (Some(timer), Some(&state)) = (&rung.timer, state) {
-                            let place = (program.instance.clone(), timer.instance.clone());
+                            let place = (program.name.clone(), timer.instance.clone());
                             timers.insert((state, timer.preset), place);
                         }
                     }

@@ -214,9 +214,7 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
             text: format!("not inductive: {} fails from {}", says(first.claim), describe(machine, from)),
             failed: failures.len(),
         },
-        None => {
-            Doubt::GaveUp { text: format!("the solver gave up on {}", says(first.claim)), failed: failures.len() }
-        }
+        None => Doubt::GaveUp { text: format!("the solver gave up on {}", says(first.claim)), failed: failures.len() },
     }
 }
 

@@ -126,8 +126,7 @@ pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) ->
         .filter(|l| matched.meanings[*l].is_none() && !hopeless.contains(l))
         .map(|l| (before[l].node(), l))
         .collect();
-    let mut matter: Vec<usize> =
-        both.aig.cone(&claimed).into_iter().filter_map(|n| unknown.get(&n).copied()).collect();
+    let mut matter: Vec<usize> = both.aig.cone(&claimed).into_iter().filter_map(|n| unknown.get(&n).copied()).collect();
     matter.sort_unstable();
 
     let mut by_structure: HashMap<Lit, Meaning> = HashMap::new();
@@ -255,11 +254,7 @@ impl<'a> Both<'a> {
     }
 
     /// Runs the program's scan.
-    fn run(
-        &mut self,
-        matched: &Match,
-        after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState),
-    ) -> ProgramState {
+    fn run(&mut self, matched: &Match, after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState)) -> ProgramState {
         let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(self.inputs.iter().copied()).collect();
         // A timer of which nothing is known may end whenever it likes. One that measures a time of the
         // chart ends when that does: they start together, which is among the claims.

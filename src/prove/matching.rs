@@ -95,17 +95,17 @@ impl Match {
         for (p, instance) in project.programs.iter().enumerate() {
             if let Body::Sfc(sfc) = &instance.body {
                 for (id, step) in sfc.steps.iter() {
-                    places.insert((iec::fold(&instance.name), iec::fold(&step.name)), program.step(p, id));
+                    places.insert((iec::fold(&instance.kind), iec::fold(&step.name)), program.step(p, id));
                 }
             }
         }
         for (id, place) in machine.states.ids().zip(&names.steps) {
-            let Some((instance, step)) = place else { continue };
-            match places.get(&(iec::fold(instance), iec::fold(step))) {
+            let Some((program, step)) = place else { continue };
+            match places.get(&(iec::fold(program), iec::fold(step))) {
                 Some(&latch) => self.parts.push((Part::Step(id), latch)),
                 None => {
                     let what = Part::Step(id).describe(machine);
-                    self.missing.push(missing(&format!("{instance}.{step}"), &what));
+                    self.missing.push(missing(&format!("{program}.{step}"), &what));
                 }
             }
         }
@@ -117,17 +117,17 @@ impl Match {
             .iter()
             .filter_map(|(id, block)| match block.scope {
                 Scope::Global => None,
-                Scope::Program(p) => Some(((iec::fold(&project.programs[p].name), iec::fold(&block.name)), id)),
+                Scope::Program(p) => Some(((iec::fold(&project.programs[p].kind), iec::fold(&block.name)), id)),
             })
             .collect();
         for (index, (state, ms)) in chart.timers().enumerate() {
             let timer = Timer { index, state, ms };
             let what = Part::Begins(timer).describe(machine);
-            let Some((instance, name)) = names.timers.get(&(state, ms)) else {
+            let Some((place, name)) = names.timers.get(&(state, ms)) else {
                 self.missing.push(format!("nothing is known to stand for {what}"));
                 continue;
             };
-            let found = places.get(&(iec::fold(instance), iec::fold(name)));
+            let found = places.get(&(iec::fold(place), iec::fold(name)));
             // With another preset time it does not measure this one.
             let fits = |id: &&BlockId| program.presets()[id.index()] == Some(i64::from(ms) * 1000);
             match found.filter(fits) {
@@ -135,7 +135,7 @@ impl Match {
                     self.timers[id.index()] = Some(timer);
                     self.parts.push((Part::Begins(timer), program.block(id) + 3));
                 }
-                None => self.missing.push(missing(&format!("{instance}.{name}"), &what)),
+                None => self.missing.push(missing(&format!("{place}.{name}"), &what)),
             }
         }
     }

@@ -27,7 +27,7 @@ pub mod joint;
 pub mod matching;
 pub mod parts;
 pub mod program_step;
-pub mod random;
+mod random;
 pub mod sat;
 pub mod search;
 pub mod shorten;

@@ -137,11 +137,11 @@ impl<'p> ProgramStep<'p> {
             Latch::Step(p, id) => {
                 let program = &self.project.programs[p];
                 match &program.body {
-                    Body::Sfc(sfc) => format!("{}.{}.X", program.name, sfc.steps[id].name),
+                    Body::Sfc(sfc) => format!("{}.{}.X", program.kind, sfc.steps[id].name),
                     Body::Code(_) => unreachable!("only an SFC has steps"),
                 }
             }
-            Latch::Stored(p, a) => format!("{}.action {a}", self.project.programs[p].name),
+            Latch::Stored(p, a) => format!("{}.action {a}", self.project.programs[p].kind),
             Latch::Memory(id) => self.of_block(id, "M"),
             Latch::Output(id) => self.of_block(id, "Q"),
             Latch::Begun(id) => self.of_block(id, "STATE"),
@@ -152,7 +152,7 @@ impl<'p> ProgramStep<'p> {
     fn owner(&self, scope: Scope) -> String {
         match scope {
             Scope::Global => String::new(),
-            Scope::Program(p) => format!("{}.", self.project.programs[p].name),
+            Scope::Program(p) => format!("{}.", self.project.programs[p].kind),
         }
     }
 

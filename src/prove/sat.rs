@@ -55,8 +55,7 @@ impl Model {
 
     /// Every node's value under this assignment.
     pub fn evaluate(&self, aig: &Aig) -> Vec<u64> {
-        let words: Vec<u64> =
-            (0..aig.leaves().len() as u32).map(|l| if self.leaf(l) { u64::MAX } else { 0 }).collect();
+        let words: Vec<u64> = (0..aig.leaves().len() as u32).map(|l| if self.leaf(l) { u64::MAX } else { 0 }).collect();
         let mut values = Vec::new();
         aig.simulate(&words, &mut values);
         values

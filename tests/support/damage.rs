@@ -1,11 +1,11 @@
 //! PLC programs with one thing wrong.
 
+use super::rng::Rng;
 use chartwright::base::Id;
 use chartwright::ir::expr::Expr;
 use chartwright::ir::iec::{
     Association, Atom, Body, Bool, Coil, CoilKind, Condition, Project, Qualifier, Scope, Statement, Target, VarId,
 };
-use chartwright::prove::random::Random;
 
 /// One damaged program, and what was done to it.
 pub struct Mutant {
@@ -14,20 +14,20 @@ pub struct Mutant {
 }
 
 /// Damages a copy of `project`, or finds that the chosen damage does not fit.
-pub fn mutant(project: &Project, random: &mut Random) -> Option<Mutant> {
+pub fn mutant(project: &Project, rng: &mut Rng) -> Option<Mutant> {
     let mut m = Mutant { project: project.clone(), what: String::new() };
-    let p = random.below(m.project.programs.len());
+    let p = rng.below(m.project.programs.len());
     let name = m.project.programs[p].name.clone();
-    let what = if random.below(40) == 0 {
-        whole(&mut m.project, p, random)?
+    let what = if rng.below(40) == 0 {
+        whole(&mut m.project, p, rng)?
     } else {
         let mut done = None;
         let mut body = std::mem::replace(&mut m.project.programs[p].body, Body::Code(Vec::new()));
         match &mut body {
-            Body::Code(statements) => done = code(&m.project, statements, random),
+            Body::Code(statements) => done = code(&m.project, statements, rng),
             Body::Sfc(sfc) => {
                 let variables = &m.project;
-                done = sfc_damage(variables, sfc, random).or(done);
+                done = sfc_damage(variables, sfc, rng).or(done);
             }
         }
         m.project.programs[p].body = body;
@@ -37,10 +37,10 @@ pub fn mutant(project: &Project, random: &mut Random) -> Option<Mutant> {
     Some(m)
 }
 
-fn whole(project: &mut Project, p: usize, random: &mut Random) -> Option<String> {
-    match random.below(3) {
+fn whole(project: &mut Project, p: usize, rng: &mut Rng) -> Option<String> {
+    match rng.below(3) {
         0 => {
-            let q = random.below(project.programs.len());
+            let q = rng.below(project.programs.len());
             if p == q {
                 return None;
             }
@@ -54,7 +54,7 @@ fn whole(project: &mut Project, p: usize, random: &mut Random) -> Option<String>
             Some("is left out".into())
         }
         _ => {
-            let v: VarId = Id::from_index(random.below(project.variables.len()));
+            let v: VarId = Id::from_index(rng.below(project.variables.len()));
             if project.variables[v].address.is_some() {
                 return None;
             }
@@ -64,17 +64,17 @@ fn whole(project: &mut Project, p: usize, random: &mut Random) -> Option<String>
     }
 }
 
-fn code(project: &Project, statements: &mut Vec<Statement>, random: &mut Random) -> Option<String> {
+fn code(project: &Project, statements: &mut Vec<Statement>, rng: &mut Rng) -> Option<String> {
     if statements.is_empty() {
         return None;
     }
-    let i = random.below(statements.len());
+    let i = rng.below(statements.len());
     let name = |v: VarId| project.variables[v].name.clone();
     let coil_of = |s: &Statement| match s {
         Statement::Coil(c) => name(c.variable),
         _ => "?".into(),
     };
-    match random.below(12) {
+    match rng.below(12) {
         0 => {
             let s = statements.remove(i);
             Some(format!("rung of {} is left out", coil_of(&s)))
@@ -84,14 +84,16 @@ fn code(project: &Project, statements: &mut Vec<Statement>, random: &mut Random)
             Some(format!("rungs of {} and {} change places", coil_of(&statements[i + 1]), coil_of(&statements[i])))
         }
         2 => {
-            let other = random.below(statements.len());
+            let other = rng.below(statements.len());
             statements.swap(i, other);
-            (i != other).then(|| format!("rungs of {} and {} change places", coil_of(&statements[other]), coil_of(&statements[i])))
+            (i != other).then(|| {
+                format!("rungs of {} and {} change places", coil_of(&statements[other]), coil_of(&statements[i]))
+            })
         }
         3 => {
             let Statement::Coil(Coil { kind, variable, .. }) = &mut statements[i] else { return None };
             let all = [CoilKind::Plain, CoilKind::Set, CoilKind::Reset];
-            let new = all[random.below(3)];
+            let new = all[rng.below(3)];
             if new == *kind {
                 return None;
             }
@@ -100,34 +102,34 @@ fn code(project: &Project, statements: &mut Vec<Statement>, random: &mut Random)
         }
         4 => {
             let Statement::Coil(Coil { variable, .. }) = &mut statements[i] else { return None };
-            let other = any_variable(project, random);
+            let other = any_variable(project, rng);
             let was = std::mem::replace(variable, other);
             (was != other).then(|| format!("coil {} becomes {}", name(was), name(other)))
         }
         _ => {
             let Statement::Coil(Coil { condition, variable, .. }) = &mut statements[i] else { return None };
-            let what = condition_damage(project, condition, random)?;
+            let what = condition_damage(project, condition, rng)?;
             Some(format!("rung of {}: {what}", name(*variable)))
         }
     }
 }
 
-fn any_variable(project: &Project, random: &mut Random) -> VarId {
-    Id::from_index(random.below(project.variables.len()))
+fn any_variable(project: &Project, rng: &mut Rng) -> VarId {
+    Id::from_index(rng.below(project.variables.len()))
 }
 
-fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &mut Random) -> Option<String> {
+fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, rng: &mut Rng) -> Option<String> {
     let steps: Vec<String> = sfc.steps.values().map(|s| s.name.clone()).collect();
     let count = sfc.transitions.len();
     if count == 0 {
         return None;
     }
-    let t = random.below(count);
+    let t = rng.below(count);
     let about = |sfc: &chartwright::ir::iec::Sfc, t: usize| {
         let t = &sfc.transitions[t];
         format!("{} -> {}", steps[t.from[0].index()], steps[t.to[0].index()])
     };
-    match random.below(14) {
+    match rng.below(14) {
         0 => {
             let what = about(sfc, t);
             sfc.transitions.remove(t);
@@ -135,7 +137,7 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
         }
         1 => {
             let what = about(sfc, t);
-            let to = Id::from_index(random.below(steps.len()));
+            let to = Id::from_index(rng.below(steps.len()));
             if sfc.transitions[t].to[0] == to {
                 return None;
             }
@@ -144,7 +146,7 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
         }
         2 => {
             let what = about(sfc, t);
-            let from = Id::from_index(random.below(steps.len()));
+            let from = Id::from_index(rng.below(steps.len()));
             if sfc.transitions[t].from[0] == from {
                 return None;
             }
@@ -152,7 +154,7 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
             Some(format!("{what} comes from {}", steps[from.index()]))
         }
         3 => {
-            let u = random.below(count);
+            let u = rng.below(count);
             let (a, b) = (sfc.transitions[t].priority, sfc.transitions[u].priority);
             if a == b || sfc.transitions[t].from != sfc.transitions[u].from {
                 return None;
@@ -166,13 +168,13 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
             Some(format!("{} has no priority", about(sfc, t)))
         }
         5 => {
-            let value = random.below(2) == 1;
+            let value = rng.below(2) == 1;
             let what = about(sfc, t);
             sfc.transitions[t].condition = Condition::simple(Expr::Const(value));
             Some(format!("condition of {what} is always {value}"))
         }
         6 => {
-            let (i, j) = (random.below(steps.len()), random.below(steps.len()));
+            let (i, j) = (rng.below(steps.len()), rng.below(steps.len()));
             let (a, b) = (Id::from_index(i), Id::from_index(j));
             if i == j || sfc.steps[a].associations == sfc.steps[b].associations {
                 return None;
@@ -183,32 +185,27 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
             Some(format!("{} and {} change actions", steps[i], steps[j]))
         }
         7 => {
-            let i = random.below(steps.len());
+            let i = rng.below(steps.len());
             sfc.steps[Id::from_index(i)].associations.pop()?;
             Some(format!("{} does nothing", steps[i]))
         }
         8 => {
-            let i = random.below(steps.len());
-            let all = [
-                Qualifier::Set,
-                Qualifier::Reset,
-                Qualifier::Pulse,
-                Qualifier::PulseFalling,
-            ];
-            let qualifier = all[random.below(all.len())];
+            let i = rng.below(steps.len());
+            let all = [Qualifier::Set, Qualifier::Reset, Qualifier::Pulse, Qualifier::PulseFalling];
+            let qualifier = all[rng.below(all.len())];
             sfc.steps[Id::from_index(i)].associations.first_mut()?.qualifier = qualifier;
             Some(format!("action of {} becomes {qualifier:?}", steps[i]))
         }
         9 => {
-            let i = random.below(steps.len());
-            let target = Target::Variable(any_variable(project, random));
+            let i = rng.below(steps.len());
+            let target = Target::Variable(any_variable(project, rng));
             let extra = Association { target, qualifier: Qualifier::NonStored, duration: 0 };
             let Target::Variable(v) = target else { unreachable!() };
             sfc.steps[Id::from_index(i)].associations.push(extra);
             Some(format!("{} acts on {} as well", steps[i], project.variables[v].name))
         }
-        10 if random.below(4) == 0 => {
-            let i = random.below(steps.len());
+        10 if rng.below(4) == 0 => {
+            let i = rng.below(steps.len());
             for (k, step) in (0..steps.len()).map(|k| (k, Id::from_index(k))) {
                 sfc.steps[step].initial = k == i;
             }
@@ -216,22 +213,22 @@ fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, random: &m
         }
         _ => {
             let what = about(sfc, t);
-            let done = condition_damage(project, &mut sfc.transitions[t].condition, random)?;
+            let done = condition_damage(project, &mut sfc.transitions[t].condition, rng)?;
             Some(format!("{what}: {done}"))
         }
     }
 }
 
 /// Damages one place of a condition.
-fn condition_damage(project: &Project, condition: &mut Condition, random: &mut Random) -> Option<String> {
+fn condition_damage(project: &Project, condition: &mut Condition, rng: &mut Rng) -> Option<String> {
     let parts = condition.shared.len() + 1;
-    let i = random.below(parts);
+    let i = rng.below(parts);
     let e = if i + 1 == parts { &mut condition.value } else { &mut condition.shared[i] };
     let mut places = 0;
     count(e, &mut places);
-    let mut at = random.below(places);
-    let what = random.below(6);
-    let other = any_variable(project, random);
+    let mut at = rng.below(places);
+    let what = rng.below(6);
+    let other = any_variable(project, rng);
     change(project, e, &mut at, what, other)
 }
 

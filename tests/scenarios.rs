@@ -5,6 +5,7 @@ use crate::support::models::{self, repository};
 use chartwright::ir::chart::Machine;
 use chartwright::pipeline;
 use chartwright::simulate::frame::Frame;
+use chartwright::simulate::record;
 use chartwright::simulate::scenario::{self, Expectation, Verdict};
 
 fn machine(source: &str) -> Machine {
@@ -33,7 +34,11 @@ fn the_scenarios_of_all_models_go_as_expected_on_the_chart_and_on_the_plc() {
             for (program, verdict, frames) in &played {
                 assert!(verdict.failure.is_none(), "{}: {} ({program}): {:?}", model.name, s.name, verdict.failure);
                 // Not only the verdict: every value of every scan.
-                assert!(*frames == played[0].2, "{}: {} ({program}) differs", model.name, s.name);
+                for (scan, (ours, theirs)) in played[0].2.iter().zip(frames).enumerate() {
+                    let names = record::columns(&machine);
+                    let differ: Vec<_> = (0..ours.len()).filter(|&i| ours[i] != theirs[i]).map(|i| &names[i]).collect();
+                    assert!(differ.is_empty(), "{}: {} ({program}): scan {}: {differ:?}", model.name, s.name, scan + 1);
+                }
             }
             count += 1;
         }
@@ -204,7 +209,24 @@ fn a_session_takes_commands_from_a_pipe() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let shown = stdout(&output).to_owned();
     let after_help = shown.split_once("quit           ends\n").expect("help was shown").1;
-    insta::assert_snapshot!(after_help, @"");
+    insta::assert_snapshot!(after_help, @r#"
+         1    0.000 s  +Go +Behind | +Back
+         2    0.010 s  +OUT | -Back +MovingForward
+    Pusher
+      MovingForward (moving)
+         3    0.020 s  -Behind
+        32    0.310 s  +Ahead | -OUT | -MovingForward +Front
+    0  OUT          cylinder out
+    0  BACK         cylinder back
+        27    0.260 s  as it was
+    Pusher
+      MovingForward (moving)
+        28    0.270 s  -Go
+        29    0.280 s  +Ahead | -OUT | -MovingForward +Front
+    0  Go           a box is there
+    0 ~Behind       cylinder is at the back
+    1 ~Ahead        cylinder is at the front
+    "#);
     let output = run(&repository("."), &args, "run until Nowhere\n");
     assert_eq!(code(&output), 1, "a script with a mistake is wrong");
     assert!(stdout(&output).contains("`Nowhere` is not declared"), "{}", stdout(&output));
@@ -225,7 +247,35 @@ fn a_failure_is_reported_with_what_changed_before() {
     let directory = failing("scenario_report");
     let output = chartwright(directory.path(), "test wrong.chart --filter slow");
     assert_eq!(code(&output), 1);
-    insta::assert_snapshot!(stdout(&output), @"");
+    insta::assert_snapshot!(stdout(&output), @r#"
+    wrong.chart
+      FAILED  too slow (chart, 11 scans, 0.110 s)
+      FAILED  too slow (plc, 11 scans, 0.110 s)
+
+    wrong.chart:66:3: too slow (chart)
+      wait until Ahead within 100ms
+      "it <must> be quick"
+      has not become so within 0.100 s, up to scan 11, 0.100 s
+      Ahead = FALSE
+
+      scan     time  inputs   outputs  states
+         1  0.000 s  +Behind           +Back
+         2  0.010 s  +Go      +OUT     -Back +MovingForward
+         3  0.020 s  -Behind
+
+    wrong.chart:66:3: too slow (plc)
+      wait until Ahead within 100ms
+      "it <must> be quick"
+      has not become so within 0.100 s, up to scan 11, 0.100 s
+      Ahead = FALSE
+
+      scan     time  inputs   outputs  states
+         1  0.000 s  +Behind           +Back
+         2  0.010 s  +Go      +OUT     -Back +MovingForward
+         3  0.020 s  -Behind
+
+    0 passed, 2 failed
+    "#);
 }
 
 #[test]
@@ -233,7 +283,7 @@ fn junit_and_json_say_the_same() {
     let directory = failing("scenario_junit");
     let output = chartwright(directory.path(), "test wrong.chart --junit report.xml --format json");
     assert_eq!(code(&output), 1);
-    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("one JSON document");
+    let report: serde_json::Value = serde_json::from_str(stdout(&output)).expect("one JSON document");
     assert_eq!((&report["passed"], &report["failed"]), (&4.into(), &2.into()), "{report}");
     let failed = report["tests"].as_array().unwrap().iter().find(|t| !t["failure"].is_null()).unwrap();
     assert_eq!(failed["failure"]["step"], "wait until Ahead within 100ms");

@@ -19,10 +19,11 @@ const SCANS: u64 = 1000;
 /// Runs `chartwright simulate`.
 pub fn run(args: &Args) -> Outcome {
     let others = [Some(&args.file), args.inputs.as_ref()];
-    if let Some(out) = &args.out {
-        if !files::is_standard(out) && others.into_iter().flatten().any(|f| files::same(f, out)) {
-            return usage("simulate", "writing the run would overwrite what is read");
-        }
+    if let Some(out) = &args.out
+        && !files::is_standard(out)
+        && others.into_iter().flatten().any(|f| files::same(f, out))
+    {
+        return usage("simulate", "writing the run would overwrite what is read");
     }
     let mut report = Report::default();
     let machine = read(&args.file, &mut report, pipeline::check).flatten();

@@ -155,7 +155,7 @@ fn failed(machine: &Machine, source: &str, failure: &Failure, recording: &Record
     let message = match failure.kind {
         Expectation::Now => format!("is not so after {scan}"),
         Expectation::Within(n) => {
-            format!("did not become so in {} until {scan}", seconds(u64::from(n) * u64::from(machine.cycle)))
+            format!("has not become so within {}, up to {scan}", seconds(u64::from(n) * u64::from(machine.cycle)))
         }
         Expectation::Always => format!("is not so any more in {scan}"),
         Expectation::Never => format!("is so in {scan}"),

@@ -22,11 +22,11 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             Doing::Set(names, value) => {
                 for name in names {
                     let Some(given) = r.given(name) else { continue };
-                    if let Given::Input(input) = given {
-                        if let Some(travel) = sensed[input.index()] {
-                            given_twice(r, name, travel);
-                            continue;
-                        }
+                    if let Given::Input(input) = given
+                        && let Some(travel) = sensed[input.index()]
+                    {
+                        given_twice(r, name, travel);
+                        continue;
                     }
                     r.machine.plant.initially.push((given, *value));
                 }
@@ -147,11 +147,11 @@ fn rule(r: &mut Resolver, written: &ast::Rule, sensed: &[Option<Span>]) {
     let condition = r.condition(&written.condition, &Context::Plant);
     let delay = written.delay.map_or(0, |t| r.scans(&t, 0));
     let Some(target) = r.given(&written.target) else { return };
-    if let Given::Input(input) = target {
-        if let Some(travel) = sensed[input.index()] {
-            given_twice(r, &written.target, travel);
-            return;
-        }
+    if let Given::Input(input) = target
+        && let Some(travel) = sensed[input.index()]
+    {
+        given_twice(r, &written.target, travel);
+        return;
     }
     let span = written.target.span;
     let mut push = |value, condition| r.machine.plant.rules.push(Rule { target, value, condition, delay, span });

@@ -108,18 +108,18 @@ fn free(r: &mut Resolver, names: &[ast::Name], gives: &[bool]) -> Vec<Given> {
     let mut free = Vec::new();
     for name in names {
         let Some(given) = r.given(name) else { continue };
-        if let Given::Input(input) = given {
-            if gives[input.index()] {
-                r.diagnostics.push(
-                    Diagnostic::new(Code::GivenByPlant, format!("the plant gives `{}`", name.text))
-                        .label(name.span, "the plant would take it back at once")
-                        .help(format!(
-                            "to hold it against the plant write `force {0}` or `force not {0}`, and later `release {0}`",
-                            name.text
-                        )),
-                );
-                continue;
-            }
+        if let Given::Input(input) = given
+            && gives[input.index()]
+        {
+            r.diagnostics.push(
+                Diagnostic::new(Code::GivenByPlant, format!("the plant gives `{}`", name.text))
+                    .label(name.span, "the plant would take it back at once")
+                    .help(format!(
+                        "to hold it against the plant write `force {0}` or `force not {0}`, and later `release {0}`",
+                        name.text
+                    )),
+            );
+            continue;
         }
         free.push(given);
     }

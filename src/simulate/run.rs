@@ -42,9 +42,12 @@ impl Program {
     /// If `read` lacks a variable of `written`.
     pub fn plc(machine: &Machine, written: &plc::Project, read: &iec::Project) -> Program {
         let layout = Layout::of(machine);
+        // A place of the text alone is not enough, nor is a path: two charts may each have a state `Off`.
         let find = |role: Role, what: &str, span: Span| {
             let globals = written.globals.values();
-            let ours = globals.filter(move |g| g.role == role && g.origin.span == Some(span));
+            let ours = globals.filter(|g| {
+                g.role == role && g.origin.span == Some(span) && g.origin.what.split(' ').nth(1) == Some(what)
+            });
             let variable = |name: &str| {
                 let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == name);
                 found.map(|(id, _)| id).expect("what was written is read back")
@@ -63,13 +66,7 @@ impl Program {
             show(layout.variable(id), find(Role::Variable, &v.name, v.span));
         }
         for (id, s) in machine.states.iter() {
-            // `move` and the like make several states of one place in the text.
-            let what = format!("state {}", machine.state_path(id));
-            let flag = written.globals.values().find(|g| g.role == Role::StepFlag && g.origin.what == what);
-            let name = &flag.expect("each state has a flag").name;
-            let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == *name);
-            debug_assert!(found.is_some(), "{} is read back", s.name);
-            show(layout.state(id), found.map(|(id, _)| id).into_iter().collect());
+            show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
         }
         for (id, c) in machine.safety.constraints.iter() {
             show(layout.acted(id), find(Role::Alarm, &c.name, c.span));

@@ -157,27 +157,3 @@ fn every_part_of_a_machine_is_compared() {
     assert_eq!(count(|p| matches!(p, Part::Acted(_))), machine.safety.constraints.len());
     assert_eq!(count(|p| matches!(p, Part::Broken(_))), machine.safety.assumptions.len());
 }
-
-#[test]
-#[ignore = "a measurement"]
-fn large_models_are_proved_in_time() {
-    for (modes, regions, phases, steps) in
-        [(4, 5, 5, 9), (20, 10, 5, 10), (100, 2, 5, 9), (2, 4, 50, 24), (140, 7, 1, 9)]
-    {
-        let shape = generate::Shape { modes, regions, phases, steps };
-        let source = generate::large(shape);
-        let start = Instant::now();
-        let output = build(&source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}"));
-        println!("{} states: built in {:?}", shape.states(), start.elapsed());
-        let start = Instant::now();
-        let program = read_back(&output);
-        println!("read {:?}", start.elapsed());
-        let names = Correspondence::of(&output.machine, &output.project);
-        let start = Instant::now();
-        match equivalence(&output.machine, &names, &program) {
-            Verdict::Proved(s) => println!("proved {:?} {s:?}", start.elapsed()),
-            Verdict::Refuted(trace) => panic!("{trace}"),
-            Verdict::Unknown(doubt) => panic!("{doubt}"),
-        }
-    }
-}

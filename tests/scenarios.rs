@@ -309,3 +309,56 @@ fn what_cannot_be_run_is_said() {
     assert_eq!(code(&output), 1);
     assert!(stderr(&output).contains("E101"), "{}", stderr(&output));
 }
+
+fn indexa() -> String {
+    std::fs::read_to_string(repository("models/indexa.chart")).unwrap()
+}
+
+#[test]
+fn the_scenarios_of_indexa_are_in_every_state() {
+    let machine = machine(&indexa());
+    let layout = chartwright::simulate::frame::Layout::of(&machine);
+    let mut seen = vec![false; machine.states.len()];
+    for i in 0..machine.scenarios.len() {
+        let mut each = |_, frame: &Frame| {
+            for id in machine.states.ids() {
+                seen[id.index()] |= frame[layout.state(id)];
+            }
+        };
+        let program = pipeline::programs(&machine).swap_remove(0).1;
+        scenario::play(&machine, program, i, &mut each);
+    }
+    let never: Vec<String> =
+        machine.states.ids().filter(|id| !seen[id.index()]).map(|id| machine.state_path(id)).collect();
+    assert!(never.is_empty(), "{never:?}");
+}
+
+/// The emergency stop and an open guard, in every state of the automatic mode and of the way there.
+#[test]
+fn indexa_stops_whenever_it_has_to() {
+    let mut source = indexa();
+    let outputs = "OHC or IHC or OVC or IVC or ROT or ASP or OFC or PMR or CMR or KEN";
+    for after in ["energy", "initialisation brings the head home from the jar", "automatic production"] {
+        for scans in (1..700).step_by(23) {
+            for stop in ["ES", "PG"] {
+                source += &format!(
+                    "scenario \"{stop} {scans} scans after {after}\" after \"{after}\" {{
+                       press PBI wait {scans} scans reset {stop} wait 1 scan
+                       expect in(WithoutEnergy) and not ({outputs}) set {stop} wait 1s
+                       expect in(WithoutEnergy) and not ({outputs})
+                     }}\n"
+                );
+            }
+        }
+    }
+    let machine = machine(&source);
+    let ours = machine.scenarios.iter().enumerate().filter(|(_, s)| s.name.contains(" scans after "));
+    let mut count = 0;
+    for (i, s) in ours {
+        for (program, verdict, _) in play(&machine, i) {
+            assert!(verdict.failure.is_none(), "{} ({program}): {:?}", s.name, verdict.failure);
+        }
+        count += 1;
+    }
+    assert!(count > 150, "{count}");
+}

@@ -29,6 +29,7 @@ pub mod layout;
 pub mod lower;
 pub mod parse;
 pub mod pipeline;
+pub mod prove;
 pub mod read;
 pub mod resolve;
 pub mod simulate;

@@ -1,7 +1,7 @@
 //! `models/invalid`: one wrong model for each code, and what the user reads about it.
 
 use crate::support::binary::{chartwright, code, stderr};
-use crate::support::models::{assert_only, diagnose, listing, repository};
+use crate::support::models::{COMPARED, assert_only, diagnose, listing, repository};
 use chartwright::base::Code;
 use std::fs;
 
@@ -44,9 +44,11 @@ fn what_the_user_reads() {
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     for file in listing(MODELS) {
-        let output = chartwright(&repository(MODELS), &format!("check {file}"));
+        let command =
+            if file.ends_with(".xml") { format!("prove ../../{COMPARED} {file}") } else { format!("check {file}") };
+        let output = chartwright(&repository(MODELS), &command);
         assert_eq!(code(&output), i32::from(file.starts_with('E')), "{file}");
-        let name = file.trim_end_matches(".chart");
+        let name = file.trim_end_matches(".chart").trim_end_matches(".xml");
         settings.bind(|| insta::assert_snapshot!(name, stderr(&output)));
     }
 }

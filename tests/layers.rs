@@ -18,8 +18,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("emit", &["base", "ir", "layout"]),
     ("read", &["base", "ir"]),
     ("simulate", &["base", "ir"]),
+    ("prove", &["base", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "simulate"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
     ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 

@@ -217,6 +217,9 @@ codes! {
     NothingRan "E706" "an expectation stands where no scan has run",
     CyclicScenarios "E707" "scenarios begin after each other",
 
+    Different "E801" "a program does not do what its chart says",
+    Undecided "E802" "a program cannot be compared with a chart",
+
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",
     CyclicReliefs "W503" "reliefs of combined constraints form a cycle",

@@ -3,6 +3,9 @@
 /// Largest source file, in bytes.
 pub const SOURCE_BYTES: usize = 16 * 1024 * 1024;
 
+/// Largest PLC project that is read, in bytes. Programs are some hundred times as long as models.
+pub const PROGRAM_BYTES: usize = 512 * 1024 * 1024;
+
 /// Deepest nesting of `{` and of `(` in a source file.
 pub const NESTING: usize = 64;
 

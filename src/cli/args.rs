@@ -36,6 +36,7 @@ pub struct Cli {
 pub enum Command {
     Check(Check),
     Build(Build),
+    Prove(Prove),
     Test(Test),
     Simulate(Simulate),
     Stats(Stats),
@@ -72,6 +73,9 @@ pub struct Check {
 /// Reads FILE, checks it and writes the program as PLCopen XML. Where the model has errors,
 /// nothing is written, and an existing file stays as it is. A file is written whole or not at all.
 ///
+/// Before anything is written, the XML is read back and proved: one scan of the program equals one
+/// scan of the chart, for all inputs and everything that can be reached.
+///
 /// The same model always gives the same bytes. The XML has to carry a time of creation: it is that
 /// of the environment variable SOURCE_DATE_EPOCH (seconds since 1970), else 1970-01-01T00:00:00.
 #[derive(Args, Debug)]
@@ -103,6 +107,37 @@ pub struct Build {
     /// stands for in the model; `-` is standard output.
     #[arg(long, value_name = "NAMES")]
     pub names: Option<PathBuf>,
+
+    /// Write the program without proving that it does what the chart says. The file says so, too.
+    #[arg(long)]
+    pub no_proof: bool,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Proves that a program does what a model says.
+///
+/// Reads PROGRAM, PLCopen XML of either family of IDEs, and shows that one scan of it equals one scan
+/// of the chart in FILE, for all inputs and everything that can be reached: steps, variables, commands,
+/// outputs and alarms. If it does not, a table shows a run from power-up to the difference. Use it on a
+/// program that was edited, imported and exported again, or built long ago.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright prove door.chart door.xml
+  chartwright prove --format json door.chart exported.xml
+
+Exit codes:
+  0  proved
+  1  refuted or undecided, or a file has errors or cannot be read
+  2  the command line is wrong")]
+pub struct Prove {
+    /// The model.
+    pub file: PathBuf,
+
+    /// The program as PLCopen XML.
+    pub program: PathBuf,
 
     #[command(flatten)]
     pub output: Output,

@@ -5,6 +5,7 @@ mod build;
 mod explain;
 mod files;
 mod junit;
+mod prove;
 mod report;
 mod session;
 mod simulate;
@@ -65,6 +66,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
+            Command::Prove(args) => prove::run(&args),
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
             Command::Stats(args) => stats::run(&args),

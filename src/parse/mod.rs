@@ -11,7 +11,7 @@ mod scan;
 mod scenarios;
 mod syntax_error;
 
-use crate::base::{Code, Diagnostic, Diagnostics, Span, limits};
+use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast;
 use pest::Parser;
 use pest::iterators::Pair;
@@ -25,10 +25,10 @@ mod grammar {
     pub struct Grammar;
 }
 
-/// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped) within the size limit.
-pub fn decode(bytes: Vec<u8>) -> Result<String, Diagnostic> {
-    if bytes.len() > limits::SOURCE_BYTES {
-        return Err(Diagnostic::new(Code::TooLarge, format!("the file has more than {} bytes", limits::SOURCE_BYTES))
+/// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped), at most `limit` bytes.
+pub fn decode(bytes: Vec<u8>, limit: usize) -> Result<String, Diagnostic> {
+    if bytes.len() > limit {
+        return Err(Diagnostic::new(Code::TooLarge, format!("the file has more than {limit} bytes"))
             .help("describe one machine per file"));
     }
     match String::from_utf8(bytes) {

@@ -106,8 +106,15 @@ impl Steps {
             all.inside.push(range);
         }
         let mut by_state: Vec<Vec<TransitionId>> = vec![Vec::new(); machine.states.len()];
-        for id in machine.scoped().into_iter().flatten() {
-            by_state[leaves(machine, &machine.transitions[id]).index()].push(id);
+        for (id, transition) in machine.transitions.iter() {
+            by_state[leaves(machine, transition).index()].push(id);
+        }
+        for list in &mut by_state {
+            // They come in the order in which they are written, and sorting keeps that.
+            list.sort_by_key(|&id| {
+                let t = &machine.transitions[id];
+                (machine.states[t.source].depth, t.priority.unwrap_or(u32::MAX))
+            });
         }
         let within = within(machine, layout);
         for (state, list) in by_state.into_iter().enumerate() {

@@ -229,10 +229,16 @@ impl Model {
                 lines.push(format!("drives Out{output}{}", self.condition(45)));
             }
             let variables = self.regions[region].variables.clone();
-            while self.rng.chance(12) {
+            while self.rng.chance(25) {
                 let Some(variable) = self.rng.choose(&variables) else { break };
                 let word = *self.rng.pick(&["sets", "resets"]);
-                lines.push(format!("{word} Var{variable}{}", self.condition(70)));
+                // What other actions write in the same scan is worth reading.
+                let condition = match self.rng.below(4) {
+                    0 => format!(" when Var{}", self.rng.below(self.variables)),
+                    1 => format!(" when Var{} xor In{}", self.rng.below(self.variables), self.rng.below(self.inputs)),
+                    _ => self.condition(70),
+                };
+                lines.push(format!("{word} Var{variable}{condition}"));
             }
             self.states[state].lines.extend(lines.into_iter().map(Item::Line));
         }

@@ -16,6 +16,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("lower", &["base", "ir"]),
     ("layout", &["base", "ir"]),
     ("emit", &["base", "ir", "layout"]),
+    ("read", &["base", "ir"]),
+    ("simulate", &["base", "ir"]),
     ("stats", &["base", "ir"]),
     ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit"]),
     ("cli", &["base", "ir", "parse", "pipeline", "stats"]),

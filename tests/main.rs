@@ -9,6 +9,8 @@ mod layers;
 mod layout;
 mod licences;
 mod mutants;
+mod reading;
+mod scans;
 mod snapshots;
 mod stability;
 mod support;

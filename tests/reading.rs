@@ -115,7 +115,7 @@ fn ways(sfc: &Sfc) -> Vec<String> {
 fn every_model_reads_back_in_both_dialects() {
     for model in models::all() {
         for dialect in [Dialect::Beremiz, Dialect::Codesys] {
-            let options = pipeline::Options { dialect, created: "1970-01-01T00:00:00".to_owned() };
+            let options = pipeline::Options { dialect, created: "1970-01-01T00:00:00".to_owned(), prove: false };
             let output = pipeline::build(&model.source, &options).0.expect("a model builds");
             let written = &output.project;
             let read = project(&output.xml);
@@ -487,7 +487,7 @@ fn no_file_makes_it_panic() {
     for name in ["parallel", "timer", "variables"] {
         let model = models::all().into_iter().find(|m| m.name == name).expect("the model is there");
         for dialect in [Dialect::Beremiz, Dialect::Codesys] {
-            let options = pipeline::Options { dialect, created: String::new() };
+            let options = pipeline::Options { dialect, created: String::new(), prove: false };
             let xml = pipeline::build(&model.source, &options).0.expect("it builds").xml;
             let lines: Vec<&str> = xml.lines().collect();
             for _ in 0..40 {

@@ -29,5 +29,6 @@ pub const CONSTRAINT_PRODUCTS: usize = 64;
 /// Most errors that one run reports; the rest is counted.
 pub const REPORTED_ERRORS: usize = 50;
 
-/// Longest time of a plant or scenario, in scans, and longest scenario with all that it repeats.
+/// Longest time of a plant or scenario, in scans, longest scenario with all that it repeats, and longest
+/// run that is recorded.
 pub const SCENARIO_SCANS: u32 = 1_000_000;

@@ -213,7 +213,7 @@ pub struct Simulate {
     pub seed: Option<u64>,
 
     /// How many scans to run [default: as many as the scenario or the table has, 1000 by chance].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u64::from(crate::base::limits::SCENARIO_SCANS)))]
     pub scans: Option<u64>,
 
     /// What runs.

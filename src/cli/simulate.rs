@@ -4,6 +4,7 @@ use super::args::{Simulate as Args, Trace};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, read, say, session, usage};
+use crate::base::limits;
 use crate::ir::chart::{InputId, Machine};
 use crate::ir::scenario::Given;
 use crate::pipeline;
@@ -109,6 +110,9 @@ fn by_scenario(machine: &Machine, program: Program, index: usize, scans: Option<
 /// The inputs that the columns of a table mean. Columns of anything else that a run shows are left out, so that a
 /// run can be played again.
 fn known(machine: &Machine, inputs: &Inputs) -> Result<(Inputs, Vec<Option<InputId>>), String> {
+    if inputs.last() > u64::from(limits::SCENARIO_SCANS) {
+        return Err(format!("a run has at most {} scans", limits::SCENARIO_SCANS));
+    }
     let shown = crate::simulate::record::columns(machine);
     let mut columns = Vec::new();
     for name in &inputs.names {

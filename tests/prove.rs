@@ -5,7 +5,7 @@
 
 use crate::support::proof::{Simulated, build, read_back, verdict};
 use crate::support::rng::Rng;
-use crate::support::{generate, items, models, random, shrink};
+use crate::support::{items, models, random, shrink};
 use chartwright::pipeline::Dialect;
 use chartwright::prove::chart_step::ChartStep;
 use chartwright::prove::configuration;
@@ -14,7 +14,7 @@ use chartwright::prove::matching::{Match, Pair};
 use chartwright::prove::parts::Part;
 use chartwright::prove::program_step::ProgramStep;
 use chartwright::prove::sat::{Answer, Budget, Sat};
-use chartwright::prove::{Correspondence, Verdict, aig, chart_filter, equivalence};
+use chartwright::prove::{Correspondence, Verdict, aig, chart_filter};
 use std::time::Instant;
 
 const DIALECTS: [Dialect; 2] = [Dialect::Beremiz, Dialect::Codesys];

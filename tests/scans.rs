@@ -52,7 +52,12 @@ fn random_inputs(project: &Project, scans: u64, seed: u64) -> Inputs {
     let mut inputs = Inputs { names, ..Inputs::default() };
     for scan in 1..=scans {
         let count = inputs.names.len();
-        let changes = (0..count).filter_map(|i| (random(6) == 0).then(|| (i, random(2) as i64))).collect();
+        let mut changes = Vec::new();
+        for i in 0..count {
+            if random(6) == 0 {
+                changes.push((i, random(2) as i64));
+            }
+        }
         inputs.changes.insert(scan, changes);
     }
     inputs

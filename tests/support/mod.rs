@@ -3,7 +3,6 @@
 pub mod binary;
 pub mod charts;
 pub mod damage;
-pub mod generate;
 pub mod items;
 pub mod models;
 pub mod plc;

@@ -20,6 +20,9 @@
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
 
+// The documentation is for those who work on the compiler: it is built with private items.
+#![allow(rustdoc::private_intra_doc_links)]
+
 pub mod base;
 pub mod check;
 pub mod cli;

@@ -5,7 +5,7 @@
 //!
 //! After every scan, whatever the inputs have been since power-up: the flag and the step of each state
 //! are what the chart says of it, and so are each output, each variable, each command, the flag of each
-//! constraint and of each assumption. In short, every [`Part`] that the program has something for.
+//! constraint and of each assumption. In short, every [`Part`](super::parts::Part) that the program has something for.
 //!
 //! # How
 //!

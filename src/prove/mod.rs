@@ -11,7 +11,7 @@
 //! | [`induction`] | first scan and any later scan, claim by claim |
 //! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`trace`] | the run that shows it, as a table |
-//! | [`equivalence`] | all of it, in order |
+//! | [`mod@equivalence`] | all of it, in order |
 //!
 //! Nothing here knows of the passes that made the program or of the writer that wrote it: [`lower`](crate::lower)
 //! and [`emit`](crate::emit) are what is on trial.

@@ -13,12 +13,6 @@ const WITHOUT_EXAMPLE: &[(Code, &str)] = &[
     (Code::TooLarge, "it would have 16 MiB"),
     (Code::TooDeep, "64 parentheses in a row say less than a sentence"),
     (Code::TooManyStates, "it would have 150 states"),
-    (Code::NotPlcopen, "it speaks of PLCopen XML"),
-    (Code::NotUnderstood, "it speaks of PLCopen XML"),
-    (Code::Undeclared, "it speaks of PLCopen XML"),
-    (Code::Unconnected, "it speaks of PLCopen XML"),
-    (Code::BrokenText, "it speaks of PLCopen XML"),
-    (Code::Clash, "it speaks of PLCopen XML"),
 ];
 
 /// Whether the code is about PLC projects, whose files are too long for a page.

@@ -81,18 +81,20 @@ impl Inputs {
 }
 
 impl Trace {
-    /// Reads a table. An error says which line is wrong.
+    /// Reads a table. Without a column `ms` all times are 0. An error says which line is wrong.
     pub fn parse(text: &str) -> Result<Trace, String> {
         let (header, lines) = table(text)?;
-        let ["scan", "ms", names @ ..] = header.as_slice() else {
-            return Err("the first columns are not `scan` and `ms`".to_owned());
+        let (timed, names) = match header.as_slice() {
+            ["scan", "ms", names @ ..] => (true, names),
+            ["scan", names @ ..] => (false, names),
+            _ => return Err("the first column is not `scan`".to_owned()),
         };
         let mut trace = Trace { names: names.iter().map(|n| (*n).to_owned()).collect(), rows: Vec::new() };
         for (number, cells) in lines {
             let scan = value(cells[0], number)?;
             let scan = u64::try_from(scan).map_err(|_| format!("line {number}: there is no scan {scan}"))?;
-            let time = value(cells[1], number)?;
-            let values = cells[2..].iter().map(|c| value(c, number)).collect::<Result<_, _>>()?;
+            let time = if timed { value(cells[1], number)? } else { 0 };
+            let values = cells[1 + usize::from(timed)..].iter().map(|c| value(c, number)).collect::<Result<_, _>>()?;
             trace.rows.push(Row { scan, time, values });
         }
         Ok(trace)

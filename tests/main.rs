@@ -10,6 +10,7 @@ mod layout;
 mod licences;
 mod mutants;
 mod random_models;
+mod simulate_chart;
 mod snapshots;
 mod stability;
 mod support;

@@ -14,7 +14,8 @@
 //! | [`emit`] | PLC project, drawings | PLCopen XML, table of names |
 //!
 //! Two more check what came out: [`read`] turns PLCopen XML of any origin into a PLC project as it
-//! is executed, [`simulate`] executes it scan by scan, and the machine that it was made from.
+//! is executed, [`simulate`] executes it scan by scan, and the machine that it was made from, in its
+//! plant and with its scenarios.
 //!
 //! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
@@ -28,6 +29,7 @@ pub mod layout;
 pub mod lower;
 pub mod parse;
 pub mod pipeline;
+pub mod prove;
 pub mod read;
 pub mod resolve;
 pub mod simulate;

@@ -236,7 +236,11 @@ fn build_writes_beside_the_model() {
     let document = roxmltree::Document::parse(&xml).unwrap();
     assert_eq!(document.root_element().tag_name().name(), "project");
     assert!(xml.contains("creationDateTime=\"1970-01-01T00:00:00\""));
-    assert!(stderr(&output).contains(&format!("lamp.xml written: {} bytes\n", xml.len())), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains(&format!("lamp.xml written: {} bytes, proved\n", xml.len())),
+        "{}",
+        stderr(&output)
+    );
     assert_eq!(stdout(&output), "");
     // The same on standard output, and again over the first.
     let output = chartwright(d.path(), "build lamp.chart -o -");

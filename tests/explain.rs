@@ -13,7 +13,18 @@ const WITHOUT_EXAMPLE: &[(Code, &str)] = &[
     (Code::TooLarge, "it would have 16 MiB"),
     (Code::TooDeep, "64 parentheses in a row say less than a sentence"),
     (Code::TooManyStates, "it would have 150 states"),
+    (Code::NotPlcopen, "it speaks of PLCopen XML"),
+    (Code::NotUnderstood, "it speaks of PLCopen XML"),
+    (Code::Undeclared, "it speaks of PLCopen XML"),
+    (Code::Unconnected, "it speaks of PLCopen XML"),
+    (Code::BrokenText, "it speaks of PLCopen XML"),
+    (Code::Clash, "it speaks of PLCopen XML"),
 ];
+
+/// Whether the code is about PLC projects, whose files are too long for a page.
+fn about_projects(code: Code) -> bool {
+    code.number().starts_with("E6") || code.number().starts_with("E8")
+}
 
 /// The fenced blocks of a page that are marked with `info`.
 fn blocks<'a>(page: &'a str, info: &str) -> Vec<&'a str> {
@@ -34,7 +45,7 @@ fn every_page_belongs_to_a_code_and_has_its_title() {
 
 #[test]
 fn wrong_examples_yield_their_code_alone() {
-    for &code in Code::ALL {
+    for &code in Code::ALL.iter().filter(|c| !about_projects(**c)) {
         let wrong = blocks(code.page(), "chart wrong");
         let reason = WITHOUT_EXAMPLE.iter().find(|(c, _)| *c == code);
         assert_eq!(wrong.len(), usize::from(reason.is_none()), "{code}: wrong examples; {reason:?}");
@@ -46,7 +57,7 @@ fn wrong_examples_yield_their_code_alone() {
 
 #[test]
 fn right_examples_are_right() {
-    for &code in Code::ALL {
+    for &code in Code::ALL.iter().filter(|c| !about_projects(**c)) {
         let right = blocks(code.page(), "chart right");
         assert!(right.len() == 1 || WITHOUT_EXAMPLE.iter().any(|(c, _)| *c == code), "{code}: one right example");
         for example in right {

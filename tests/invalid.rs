@@ -1,15 +1,23 @@
 //! `models/invalid`: one wrong model for each code, and what the user reads about it.
 
 use crate::support::binary::{chartwright, code, stderr};
-use crate::support::models::{assert_only, diagnose, listing, repository};
+use crate::support::models::{COMPARED, assert_only, diagnose, listing, repository};
 use chartwright::base::Code;
 use std::fs;
 
 const MODELS: &str = "models/invalid";
 const SNAPSHOTS: &str = "snapshots/invalid";
 
-/// Codes whose model is not in the repository. `tests/cli.rs` makes one.
-const ELSEWHERE: &[(Code, &str)] = &[(Code::TooLarge, "it has 16 MiB")];
+/// Codes whose model is not in the repository. `tests/cli.rs` makes one, or `tests/reading.rs` files.
+const ELSEWHERE: &[(Code, &str)] = &[
+    (Code::TooLarge, "it has 16 MiB"),
+    (Code::NotPlcopen, "it is about PLCopen XML"),
+    (Code::NotUnderstood, "it is about PLCopen XML"),
+    (Code::Undeclared, "it is about PLCopen XML"),
+    (Code::Unconnected, "it is about PLCopen XML"),
+    (Code::BrokenText, "it is about PLCopen XML"),
+    (Code::Clash, "it is about PLCopen XML"),
+];
 
 /// The code that a file is named after.
 fn code_of(file: &str) -> Code {
@@ -44,9 +52,11 @@ fn what_the_user_reads() {
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     for file in listing(MODELS) {
-        let output = chartwright(&repository(MODELS), &format!("check {file}"));
+        let command =
+            if file.ends_with(".xml") { format!("prove ../../{COMPARED} {file}") } else { format!("check {file}") };
+        let output = chartwright(&repository(MODELS), &command);
         assert_eq!(code(&output), i32::from(file.starts_with('E')), "{file}");
-        let name = file.trim_end_matches(".chart");
+        let name = file.trim_end_matches(".chart").trim_end_matches(".xml");
         settings.bind(|| insta::assert_snapshot!(name, stderr(&output)));
     }
 }

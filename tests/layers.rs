@@ -18,9 +18,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("emit", &["base", "ir", "layout"]),
     ("read", &["base", "ir"]),
     ("simulate", &["base", "ir"]),
+    ("prove", &["base", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "stats"]),
+    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
+    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

@@ -1,6 +1,7 @@
 //! Models with random damage: whatever stands in a file, the compiler answers and does not panic.
 
 use crate::support::models::{listing, repository};
+use chartwright::base::limits;
 use chartwright::pipeline::{Dialect, Options};
 use chartwright::{parse, pipeline};
 use std::fs;
@@ -133,8 +134,8 @@ fn word(bytes: &[u8], at: usize) -> (usize, usize) {
 
 /// Builds the mutant, and looks at what is said of it.
 fn judge(bytes: Vec<u8>, dialect: Dialect) {
-    let Ok(source) = parse::decode(bytes) else { return };
-    let options = Options { dialect, created: "1970-01-01T00:00:00".to_owned() };
+    let Ok(source) = parse::decode(bytes, limits::SOURCE_BYTES) else { return };
+    let options = Options { dialect, created: "1970-01-01T00:00:00".to_owned(), prove: false };
     let (output, diagnostics) = pipeline::build(&source, &options);
     for d in &diagnostics {
         assert!(!d.labels.is_empty(), "{}: no place in\n{source}", d.code);

@@ -35,7 +35,7 @@ fn stages(model: &Model) -> [String; 7] {
     let diagnostics = check::check(&machine);
     assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", model.name);
     let project = lower::lower(&machine);
-    let header = Header { created: "1970-01-01T00:00:00".into(), version: "0".into() };
+    let header = Header { created: "1970-01-01T00:00:00".into(), version: "0".into(), remark: None };
     [
         source::source(&tree),
         outline::outline(&machine),

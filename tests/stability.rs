@@ -7,7 +7,8 @@ use chartwright::pipeline::{self, Dialect, Options, Output};
 use std::collections::BTreeMap;
 
 fn build(source: &str, dialect: Dialect) -> Output {
-    let (output, diagnostics) = pipeline::build(source, &Options { dialect, created: "1970-01-01T00:00:00".into() });
+    let (output, diagnostics) =
+        pipeline::build(source, &Options { dialect, created: "1970-01-01T00:00:00".into(), prove: false });
     output.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 

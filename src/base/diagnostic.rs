@@ -209,6 +209,17 @@ codes! {
     BrokenText "E605" "a text in a PLC language has a wrong form or type",
     Clash "E606" "two things in the PLC project have one name, number or address",
 
+    CannotTravel "E701" "an actuator cannot travel as the plant says",
+    GivenTwice "E702" "an input is given by an actuator and by a rule of the plant",
+    PlantReads "E703" "the plant reads what it cannot know",
+    BadScans "E704" "a time or a number of repetitions is out of range",
+    GivenByPlant "E705" "a scenario sets an input that the plant gives",
+    NothingRan "E706" "an expectation stands where no scan has run",
+    CyclicScenarios "E707" "scenarios begin after each other",
+
+    Different "E801" "a program does not do what its chart says",
+    Undecided "E802" "a program cannot be compared with a chart",
+
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",
     CyclicReliefs "W503" "reliefs of combined constraints form a cycle",

@@ -3,6 +3,9 @@
 /// Largest source file, in bytes.
 pub const SOURCE_BYTES: usize = 16 * 1024 * 1024;
 
+/// Largest PLC project that is read, in bytes. Programs are some hundred times as long as models.
+pub const PROGRAM_BYTES: usize = 512 * 1024 * 1024;
+
 /// Deepest nesting of `{` and of `(` in a source file.
 pub const NESTING: usize = 64;
 
@@ -25,3 +28,7 @@ pub const CONSTRAINT_PRODUCTS: usize = 64;
 
 /// Most errors that one run reports; the rest is counted.
 pub const REPORTED_ERRORS: usize = 50;
+
+/// Longest time of a plant or scenario, in scans, longest scenario with all that it repeats, and longest
+/// run that is recorded.
+pub const SCENARIO_SCANS: u32 = 1_000_000;

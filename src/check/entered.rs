@@ -11,7 +11,12 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             leaving[t.source.index()].push(id);
         }
     }
-    let mut walk = Walk { machine, entered: vec![false; machine.states.len()], fresh: Vec::new() };
+    let mut walk = Walk {
+        machine,
+        entered: vec![false; machine.states.len()],
+        started: vec![false; machine.regions.len()],
+        fresh: Vec::new(),
+    };
     for chart in &machine.charts {
         chart.regions.iter().for_each(|&r| walk.enter_region(r));
     }
@@ -35,6 +40,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
 struct Walk<'m> {
     machine: &'m Machine,
     entered: Vec<bool>,
+    /// The regions that have been entered by default. A state that was entered on the way to one inside
+    /// it has not yet started the region on that way.
+    started: Vec<bool>,
     fresh: Vec<StateId>,
 }
 
@@ -42,18 +50,20 @@ impl Walk<'_> {
     /// Enters `state`: all that contains it with their other regions, and what is inside it.
     fn enter(&mut self, state: StateId) {
         for outer in self.machine.ancestors(state).collect::<Vec<_>>() {
-            if std::mem::replace(&mut self.entered[outer.index()], true) {
-                continue;
+            if !std::mem::replace(&mut self.entered[outer.index()], true) {
+                self.fresh.push(outer);
             }
-            self.fresh.push(outer);
-            let on_path = |r: RegionId| outer != state && self.machine.child_in(r, state).is_some();
-            let others: Vec<RegionId> =
-                self.machine.states[outer].regions.iter().copied().filter(|&r| !on_path(r)).collect();
-            others.into_iter().for_each(|r| self.enter_region(r));
+            for &region in &self.machine.states[outer].regions {
+                let on_path = || outer != state && self.machine.child_in(region, state).is_some();
+                if !self.started[region.index()] && !on_path() {
+                    self.enter_region(region);
+                }
+            }
         }
     }
 
     fn enter_region(&mut self, region: RegionId) {
+        self.started[region.index()] = true;
         self.enter(self.machine.regions[region].initial);
     }
 }

@@ -16,6 +16,8 @@ use std::path::PathBuf;
 Examples:
   chartwright check door.chart     say what is wrong with a model
   chartwright build door.chart     write door.xml
+  chartwright test door.chart      run the scenarios that it holds
+  chartwright simulate door.chart  try it out
   chartwright explain E101         explain an error
 
 Exit codes:
@@ -34,6 +36,9 @@ pub struct Cli {
 pub enum Command {
     Check(Check),
     Build(Build),
+    Prove(Prove),
+    Test(Test),
+    Simulate(Simulate),
     Stats(Stats),
     Explain(Explain),
 }
@@ -68,6 +73,9 @@ pub struct Check {
 /// Reads FILE, checks it and writes the program as PLCopen XML. Where the model has errors,
 /// nothing is written, and an existing file stays as it is. A file is written whole or not at all.
 ///
+/// Before anything is written, the XML is read back and proved: one scan of the program equals one
+/// scan of the chart, for all inputs and everything that can be reached.
+///
 /// The same model always gives the same bytes. The XML has to carry a time of creation: it is that
 /// of the environment variable SOURCE_DATE_EPOCH (seconds since 1970), else 1970-01-01T00:00:00.
 #[derive(Args, Debug)]
@@ -100,8 +108,155 @@ pub struct Build {
     #[arg(long, value_name = "NAMES")]
     pub names: Option<PathBuf>,
 
+    /// Write the program without proving that it does what the chart says. The file says so, too.
+    #[arg(long)]
+    pub no_proof: bool,
+
     #[command(flatten)]
     pub output: Output,
+}
+
+/// Proves that a program does what a model says.
+///
+/// Reads PROGRAM, PLCopen XML of either family of IDEs, and shows that one scan of it equals one scan
+/// of the chart in FILE, for all inputs and everything that can be reached: steps, variables, commands,
+/// outputs and alarms. If it does not, a table shows a run from power-up to the difference. Use it on a
+/// program that was edited, imported and exported again, or built long ago.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright prove door.chart door.xml
+  chartwright prove --format json door.chart exported.xml
+
+Exit codes:
+  0  proved
+  1  refuted or undecided, or a file has errors or cannot be read
+  2  the command line is wrong")]
+pub struct Prove {
+    /// The model.
+    pub file: PathBuf,
+
+    /// The program as PLCopen XML.
+    pub program: PathBuf,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Runs the scenarios of models.
+///
+/// Reads and checks each FILE and plays every scenario in it, in the plant that the model
+/// describes. A scenario fails at the first expectation that is not met; what is shown then is the
+/// scan, the values concerned and what changed in the scans before.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright test models/*.chart
+  chartwright test door.chart --filter \"somebody comes\"
+  chartwright test door.chart --junit report.xml
+
+Exit codes:
+  0  every scenario that was played went as expected
+  1  a scenario failed, a model has errors, or a file cannot be read or written
+  2  the command line is wrong")]
+pub struct Test {
+    /// The models.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+
+    /// Only scenarios whose name holds this text.
+    #[arg(long, value_name = "NAME")]
+    pub filter: Option<String>,
+
+    /// Where to write a report as JUnit XML, for CI; `-` is standard output.
+    #[arg(long, value_name = "REPORT")]
+    pub junit: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// Runs a model and shows what happens.
+///
+/// Reads and checks FILE and runs it in the plant that it describes: by a scenario, by a table of
+/// inputs, by chance, or by itself for some scans. Without any of these it takes commands from
+/// standard input, one a line; `help` lists them.
+///
+/// A table of inputs is CSV with the columns `scan` and names of inputs. A value (0 or 1) holds from
+/// its scan on; an empty cell changes nothing. What the table names, it takes from the plant.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright simulate door.chart
+  chartwright simulate door.chart --scenario \"somebody comes\"
+  chartwright simulate door.chart --inputs door.csv --output csv -o run.csv
+  chartwright simulate door.chart --seed 7 --scans 10000 --output vcd -o run.vcd
+
+Exit codes:
+  0  run
+  1  the scenario failed, the model has errors, or a file cannot be read or written
+  2  the command line is wrong")]
+pub struct Simulate {
+    /// The model.
+    pub file: PathBuf,
+
+    /// Plays the scenario of that name.
+    #[arg(long, value_name = "NAME", group = "stimulus")]
+    pub scenario: Option<String>,
+
+    /// Gives inputs by a table.
+    #[arg(long, value_name = "CSV", group = "stimulus")]
+    pub inputs: Option<PathBuf>,
+
+    /// Gives by chance those inputs that the plant does not give; the same seed gives the same run.
+    #[arg(long, value_name = "SEED", group = "stimulus")]
+    pub seed: Option<u64>,
+
+    /// How many scans to run [default: as many as the scenario or the table has, 1000 by chance].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=u64::from(crate::base::limits::SCENARIO_SCANS)))]
+    pub scans: Option<u64>,
+
+    /// What runs.
+    #[arg(long, value_enum, default_value_t = Program::Chart)]
+    pub program: Program,
+
+    /// How to show the run.
+    #[arg(long, value_enum, default_value_t = Trace::Table)]
+    pub output: Trace,
+
+    /// Where to write it; `-` is standard output [default: -].
+    #[arg(short, long, value_name = "OUT")]
+    pub out: Option<PathBuf>,
+}
+
+/// What runs a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Program {
+    /// The chart itself.
+    Chart,
+    /// The PLC program that it is compiled to.
+    Plc,
+}
+
+impl Program {
+    /// Its name among the programs of the pipeline.
+    pub fn name(self) -> &'static str {
+        match self {
+            Program::Chart => "chart",
+            Program::Plc => "plc",
+        }
+    }
+}
+
+/// How a run is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Trace {
+    /// The scans in which something changed, with what changed.
+    Table,
+    /// All values of all scans.
+    Csv,
+    /// A value change dump, for GTKWave or Surfer.
+    Vcd,
 }
 
 /// Counts what a model and its program consist of.

@@ -33,7 +33,7 @@ pub fn run(args: &Build) -> Outcome {
         Dialect::Beremiz => pipeline::Dialect::Beremiz,
         Dialect::Codesys => pipeline::Dialect::Codesys,
     };
-    let options = Options { dialect, created };
+    let options = Options { dialect, created, prove: !args.no_proof };
 
     let mut report = Report::default();
     let mut result = Result::default();
@@ -48,8 +48,10 @@ pub fn run(args: &Build) -> Outcome {
     }
     let outcome = finish("build", args.output.format, &report, &result);
     if args.output.format == Format::Human {
+        let proved = if args.no_proof { "not proved" } else { "proved" };
         for w in result.written.iter().filter(|w| !files::is_standard(Path::new(&w.path))) {
-            say(&format!("{} written: {} bytes\n", w.path, w.bytes));
+            let proved = if w.what == "program" { format!(", {proved}") } else { String::new() };
+            say(&format!("{} written: {} bytes{proved}\n", w.path, w.bytes));
         }
     }
     outcome

@@ -16,13 +16,23 @@ pub fn show(path: &Path) -> String {
     annotate_snippets::normalize_untrusted_str(&path.to_string_lossy())
 }
 
-/// The text of a file. No more of it is read than is needed to see that it is too large.
+/// The text of a model.
 pub fn read(path: &Path) -> Result<String, Diagnostic> {
+    read_up_to(path, limits::SOURCE_BYTES)
+}
+
+/// The text of a PLC project.
+pub fn read_program(path: &Path) -> Result<String, Diagnostic> {
+    read_up_to(path, limits::PROGRAM_BYTES)
+}
+
+/// The text of a file. No more of it is read than is needed to see that it is too large.
+fn read_up_to(path: &Path, limit: usize) -> Result<String, Diagnostic> {
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|file| file.take(limits::SOURCE_BYTES as u64 + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes))
         .map_err(|error| failed("read", path, &error))?;
-    parse::decode(bytes)
+    parse::decode(bytes, limit)
 }
 
 /// Whether both paths lead to one file, existing or not.

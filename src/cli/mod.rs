@@ -4,8 +4,13 @@ mod args;
 mod build;
 mod explain;
 mod files;
+mod junit;
+mod prove;
 mod report;
+mod session;
+mod simulate;
 mod stats;
+mod test;
 mod time;
 
 use crate::pipeline;
@@ -61,6 +66,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
+            Command::Prove(args) => prove::run(&args),
+            Command::Test(args) => test::run(&args),
+            Command::Simulate(args) => simulate::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

@@ -32,11 +32,17 @@ pub struct Header {
     pub created: String,
     /// By which version of the compiler.
     pub version: String,
+    /// What the reader of the file should know of it, such as that it was not proved.
+    pub remark: Option<String>,
 }
 
 impl Default for Header {
     fn default() -> Self {
-        Header { created: "1970-01-01T00:00:00".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
+        Header {
+            created: "1970-01-01T00:00:00".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            remark: None,
+        }
     }
 }
 
@@ -71,6 +77,7 @@ fn headers(xml: &mut Xml, project: &Project, dialect: Dialect, header: &Header) 
         .attr("productName", "Chartwright")
         .attr("productVersion", &header.version)
         .attr("creationDateTime", &header.created)
+        .attr_opt("contentDescription", header.remark.as_deref())
         .empty();
     xml.tag("contentHeader").attr("name", &project.name).attr("modificationDateTime", &header.created).with(|xml| {
         if !project.description.is_empty() {

@@ -59,6 +59,10 @@ pub struct Machine {
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
     pub safety: Vec<Safety>,
+    /// All `plant { … }` in order.
+    pub plants: Vec<Plant>,
+    /// All `scenario …` in order.
+    pub scenarios: Vec<Scenario>,
 }
 
 /// `H0 at %IX0.0 "horizontal cylinder in"`.
@@ -150,6 +154,8 @@ pub enum Term {
     DoneOf(PathRef),
     /// `done`: the source of this transition.
     Done(Span),
+    /// `alarm(Constraint)`.
+    Alarm(PathRef),
     /// `after 500ms`: the source of this transition has been active that long.
     After(Duration),
 }
@@ -332,4 +338,136 @@ pub struct Constraint {
     pub yields: Vec<Name>,
     /// Why, in words for the operator.
     pub text: Option<Text>,
+}
+
+/// A time: `100ms`, `2s`, `3 scans`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Time {
+    /// The number; nothing when it does not fit a `u32`.
+    pub value: Option<u32>,
+    /// What it counts.
+    pub unit: TimeUnit,
+    /// The number with its unit.
+    pub span: Span,
+}
+
+/// What a time counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// `ms`; seconds are turned into these.
+    Milliseconds,
+    /// `scan` or `scans`.
+    Scans,
+}
+
+/// `plant { … }`, sorted by kind; the order of rules is kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Plant {
+    /// `hidden NAME "…"`.
+    pub hidden: Vec<Hidden>,
+    /// What stands in `initially { … }`.
+    pub initially: Vec<Step>,
+    /// `ACTUATOR travels …`.
+    pub travels: Vec<Travel>,
+    /// `INPUT follows …`, `INPUT rises when …`, `INPUT falls when …`.
+    pub rules: Vec<Rule>,
+}
+
+/// `hidden Work "a jar stands at the work place"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hidden {
+    /// Its name.
+    pub name: Name,
+    /// What it means when TRUE.
+    pub description: Option<Text>,
+}
+
+/// `Vertical travels 300ms back 200ms while driven when ENP "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Travel {
+    /// The actuator.
+    pub actuator: Name,
+    /// From the first position to the second.
+    pub out: Time,
+    /// From the second position to the first, if it takes another time.
+    pub back: Option<Time>,
+    /// `while driven`.
+    pub driven: Option<Span>,
+    /// `when …`: what it needs to move.
+    pub power: Option<Guard>,
+    /// Why.
+    pub description: Option<Text>,
+}
+
+/// `ENP follows KEN after 50ms "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rule {
+    /// The input or hidden bit.
+    pub target: Name,
+    /// What becomes of it.
+    pub change: Change,
+    /// When.
+    pub condition: Guard,
+    /// `after …`.
+    pub delay: Option<Time>,
+    /// Why.
+    pub description: Option<Text>,
+}
+
+/// What a rule of the plant does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// `follows`: takes the value of the condition.
+    Follows,
+    /// `rises when`: becomes TRUE when the condition holds.
+    Rises,
+    /// `falls when`: becomes FALSE when the condition holds.
+    Falls,
+}
+
+/// `scenario "name" after "other" { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Scenario {
+    /// Its name.
+    pub name: Text,
+    /// The scenario that is played before.
+    pub after: Option<Text>,
+    /// What is done, in order.
+    pub steps: Vec<Step>,
+}
+
+/// One line of a scenario.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// What is done.
+    pub doing: Doing,
+    /// All of it, the text behind it left out.
+    pub span: Span,
+    /// The text behind it.
+    pub description: Option<Text>,
+}
+
+/// What a line of a scenario does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// `set A, B` or `reset A, B`.
+    Set(Vec<Name>, bool),
+    /// `press A, B for 300ms`.
+    Press(Vec<Name>, Option<Time>),
+    /// `force A, not B`: each name with its value.
+    Force(Vec<(Name, bool)>),
+    /// `release A, B`.
+    Release(Vec<Name>),
+    /// `place Vertical at Down`.
+    Place(Name, Name),
+    /// `wait 100ms`.
+    Wait(Time),
+    /// `wait until … within 2s`.
+    Until(Guard, Time),
+    /// `expect …`.
+    Expect(Guard),
+    /// `always …` (TRUE) or `never …` (FALSE).
+    Watch(Guard, bool),
+    /// `repeat 3 { … }`; nothing when the number does not fit.
+    Repeat(Option<u32>, Span, Vec<Step>),
 }

@@ -25,6 +25,7 @@
 //! The first scan enters the initial states and takes no transition.
 
 use super::expr::Expr;
+use super::scenario::{Plant, Scenario};
 use super::sop::Product;
 use crate::base::{Arena, Id, Span};
 
@@ -74,6 +75,10 @@ pub struct Machine {
     pub transitions: Arena<Transition>,
     /// What must never happen.
     pub safety: Safety,
+    /// How the machine's parts react.
+    pub plant: Plant,
+    /// Tests of the machine, in order of declaration.
+    pub scenarios: Vec<Scenario>,
 }
 
 /// An input of type BOOL.

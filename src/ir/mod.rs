@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | [`ast`] | the text as a tree | comments, white space |
 //! | [`chart`] | the machine, resolved | names as references, sugar, actuators' technology laws |
+//! | [`scenario`] | its plant and its scenarios, resolved | names as references, durations |
 //! | [`plc`], [`sfc`], [`ladder`] | the PLC project | hierarchy, guards over states, constraints |
 //! | [`iec`] | a PLC project of any origin, as it is executed | how it was drawn |
 //! | [`drawing`] | where everything stands on a page | nothing: it points into the project |
@@ -19,6 +20,7 @@ pub mod ladder;
 pub mod outline;
 pub mod plc;
 pub mod relief;
+pub mod scenario;
 pub mod sfc;
 pub mod sop;
 pub mod source;

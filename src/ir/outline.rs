@@ -3,6 +3,7 @@
 
 use super::chart::*;
 use super::expr::CHART;
+use super::scenario::{Condition, Doing, Given, Step};
 use super::sop::Product;
 use std::fmt::{self, Write};
 
@@ -59,7 +60,94 @@ impl Writer<'_> {
             let kind = if c.products.iter().any(|p| outputs_of(p).count() > 1) { "combined" } else { "simple" };
             writeln!(self.out, "{kind} {}: {} = 0{yields}", c.name, self.products(&c.products))?;
         }
+        self.plant()?;
+        for s in &m.scenarios {
+            let after = s.after.map(|a| format!(" after {:?}", m.scenarios[a].name)).unwrap_or_default();
+            writeln!(self.out, "scenario {:?}{after}", s.name)?;
+            self.steps(&s.steps, 1)?;
+        }
         Ok(())
+    }
+
+    fn plant(&mut self) -> fmt::Result {
+        let m = self.machine;
+        for b in m.plant.bits.values() {
+            writeln!(self.out, "hidden {}", b.name)?;
+        }
+        for &(given, value) in &m.plant.initially {
+            writeln!(self.out, "initially {} := {value}", m.given(given))?;
+        }
+        for &(actuator, position) in &m.plant.places {
+            writeln!(self.out, "initially {}", self.place(actuator, position))?;
+        }
+        for t in &m.plant.travels {
+            let sensors: Vec<String> = t
+                .sensors
+                .iter()
+                .map(|s| {
+                    let position = &m.actuators[t.actuator].positions[s.position].name;
+                    format!("{}{} at {position}", if s.there { "" } else { "not " }, m.inputs[s.input].name)
+                })
+                .collect();
+            let (name, sensors) = (&m.actuators[t.actuator].name, sensors.join(", "));
+            let power = self.condition(&t.power);
+            writeln!(
+                self.out,
+                "travel {name} {:?}: {} scans out, {} back, when {power}: {sensors}",
+                t.valve, t.out, t.back
+            )?;
+        }
+        for r in &m.plant.rules {
+            let (name, condition) = (m.given(r.target), self.condition(&r.condition));
+            writeln!(self.out, "rule {name} := {} when {condition} after {} scans", r.value, r.delay)?;
+        }
+        Ok(())
+    }
+
+    fn steps(&mut self, steps: &[Step], depth: usize) -> fmt::Result {
+        let m = self.machine;
+        for step in steps {
+            let values = |list: &[(Given, bool)]| {
+                list.iter().map(|&(g, v)| format!("{} := {v}", m.given(g))).collect::<Vec<_>>().join(", ")
+            };
+            let line = match &step.doing {
+                Doing::Set(list) => format!("set {}", values(list)),
+                Doing::Press(list, scans) => {
+                    let names: Vec<&str> = list.iter().map(|&g| m.given(g)).collect();
+                    format!("press {} for {scans} scans", names.join(", "))
+                }
+                Doing::Force(list) => {
+                    format!("force {}", values(&list.iter().map(|&(i, v)| (Given::Input(i), v)).collect::<Vec<_>>()))
+                }
+                Doing::Release(list) => {
+                    let names: Vec<&str> = list.iter().map(|&i| m.inputs[i].name.as_str()).collect();
+                    format!("release {}", names.join(", "))
+                }
+                Doing::Place(actuator, position) => format!("place {}", self.place(*actuator, *position)),
+                Doing::Wait(scans) => format!("wait {scans} scans"),
+                Doing::Until(c, scans) => format!("until {} within {scans} scans", self.condition(c)),
+                Doing::Expect(c) => format!("expect {}", self.condition(c)),
+                Doing::Watch(c, value) => format!("{} {}", if *value { "always" } else { "never" }, self.condition(c)),
+                Doing::Repeat(times, _) => format!("repeat {times} times"),
+            };
+            writeln!(self.out, "{:1$}{line}", "", depth * 2)?;
+            if let Doing::Repeat(_, inner) = &step.doing {
+                self.steps(inner, depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn place(&self, actuator: ActuatorId, position: usize) -> String {
+        let actuator = &self.machine.actuators[actuator];
+        format!("{} at {}", actuator.name, actuator.positions[position].name)
+    }
+
+    fn condition(&self, condition: &Condition) -> String {
+        let mut out = String::new();
+        let written = condition.write(&mut out, &CHART, &mut |a, f| f.write_str(&self.machine.seen(*a)));
+        written.expect("writing to a string succeeds");
+        out
     }
 
     fn region(&mut self, id: RegionId, depth: usize) -> fmt::Result {

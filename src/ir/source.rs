@@ -69,7 +69,64 @@ impl Writer {
             );
             self.block(format_args!("{head}"), |w| w.body(&chart.body))?;
         }
-        m.safety.iter().try_for_each(|s| self.safety(s))
+        m.safety.iter().try_for_each(|s| self.safety(s))?;
+        m.plants.iter().try_for_each(|p| self.plant(p))?;
+        m.scenarios.iter().try_for_each(|s| {
+            let after = s.after.as_ref().map(|t| format!(" after{}", quoted(t))).unwrap_or_default();
+            self.block(format_args!("scenario{}{after}", quoted(&s.name)), |w| w.steps(&s.steps))
+        })
+    }
+
+    fn plant(&mut self, p: &Plant) -> fmt::Result {
+        self.block(format_args!("plant"), |w| {
+            for h in &p.hidden {
+                w.line(format_args!("hidden {}{}", h.name.text, text(&h.description)))?;
+            }
+            if !p.initially.is_empty() {
+                w.block(format_args!("initially"), |w| w.steps(&p.initially))?;
+            }
+            for t in &p.travels {
+                let back = t.back.map(|b| format!(" back {}", time(&b))).unwrap_or_default();
+                let driven = if t.driven.is_some() { " while driven" } else { "" };
+                let (name, out) = (&t.actuator.text, time(&t.out));
+                w.line(format_args!("{name} travels {out}{back}{driven}{}{}", when(&t.power), text(&t.description)))?;
+            }
+            p.rules.iter().try_for_each(|r| {
+                let verb = match r.change {
+                    Change::Follows => "follows",
+                    Change::Rises => "rises when",
+                    Change::Falls => "falls when",
+                };
+                let delay = r.delay.map(|d| format!(" after {}", time(&d))).unwrap_or_default();
+                let (name, condition) = (&r.target.text, condition(&r.condition));
+                w.line(format_args!("{name} {verb} {condition}{delay}{}", text(&r.description)))
+            })
+        })
+    }
+
+    fn steps(&mut self, steps: &[Step]) -> fmt::Result {
+        steps.iter().try_for_each(|s| {
+            let line = match &s.doing {
+                Doing::Set(names, value) => format!("{} {}", if *value { "set" } else { "reset" }, list(names)),
+                Doing::Press(names, None) => format!("press {}", list(names)),
+                Doing::Press(names, Some(t)) => format!("press {} for {}", list(names), time(t)),
+                Doing::Force(forced) => {
+                    let one = |(n, v): &(Name, bool)| format!("{}{}", if *v { "" } else { "not " }, n.text);
+                    format!("force {}", forced.iter().map(one).collect::<Vec<_>>().join(", "))
+                }
+                Doing::Release(names) => format!("release {}", list(names)),
+                Doing::Place(actuator, position) => format!("place {} at {}", actuator.text, position.text),
+                Doing::Wait(t) => format!("wait {}", time(t)),
+                Doing::Until(g, t) => format!("wait until {} within {}", condition(g), time(t)),
+                Doing::Expect(g) => format!("expect {}", condition(g)),
+                Doing::Watch(g, value) => format!("{} {}", if *value { "always" } else { "never" }, condition(g)),
+                Doing::Repeat(count, _, inner) => {
+                    let head = format!("repeat {}", count.unwrap_or(0));
+                    return self.block(format_args!("{head}"), |w| w.steps(inner));
+                }
+            };
+            self.line(format_args!("{line}{}", text(&s.description)))
+        })
     }
 
     fn actuator(&mut self, a: &Actuator) -> fmt::Result {
@@ -174,8 +231,24 @@ fn clause(word: &str, name: Option<&Name>) -> String {
 }
 
 fn text(text: &Option<Text>) -> String {
-    let quoted = |t: &Text| format!(" \"{}\"", t.value.replace('\\', "\\\\").replace('"', "\\\""));
     text.as_ref().map(quoted).unwrap_or_default()
+}
+
+fn quoted(t: &Text) -> String {
+    format!(" \"{}\"", t.value.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+fn time(t: &Time) -> String {
+    let value = t.value.unwrap_or(0);
+    match (t.unit, value) {
+        (TimeUnit::Milliseconds, _) => format!("{value}ms"),
+        (TimeUnit::Scans, 1) => "1 scan".to_owned(),
+        (TimeUnit::Scans, _) => format!("{value} scans"),
+    }
+}
+
+fn list(names: &[Name]) -> String {
+    names.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 fn when(guard: &Option<Guard>) -> String {
@@ -200,6 +273,7 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::Fall(p) => write!(f, "fall({})", path(p)),
         Term::In(p) => write!(f, "in({})", path(p)),
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
+        Term::Alarm(p) => write!(f, "alarm({})", path(p)),
         Term::Done(_) => f.write_str("done"),
         Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
     });

@@ -3,14 +3,14 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::Rule;
+use super::{Rule, scenarios};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
 use pest::iterators::Pair;
 
 /// What could not be parsed, kept for the second look.
-type Bad<'i> = Vec<Pair<'i, Rule>>;
+pub type Bad<'i> = Vec<Pair<'i, Rule>>;
 
 /// The tree of a file. What a recovery rule caught goes into `bad` and is missing in the tree.
 pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
@@ -25,6 +25,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         actuators: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
+        plants: Vec::new(),
+        scenarios: Vec::new(),
     };
     for p in pair.into_inner() {
         match p.as_rule() {
@@ -37,6 +39,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
+            Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
+            Rule::scenario => tree.scenarios.push(scenarios::scenario(p, bad)),
             Rule::bad_part => bad.push(p),
             _ => {}
         }
@@ -44,23 +48,23 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
     tree
 }
 
-fn span(p: &Pair<'_, Rule>) -> Span {
+pub fn span(p: &Pair<'_, Rule>) -> Span {
     // A pair's span ends where its last token does; white space before its end is not part of it.
     let s = p.as_span();
     Span::new(s.start(), s.start() + s.as_str().trim_end().len())
 }
 
-fn name(p: Pair<'_, Rule>) -> Name {
+pub fn name(p: Pair<'_, Rule>) -> Name {
     Name { text: p.as_str().to_owned(), span: span(&p) }
 }
 
-fn text(p: Pair<'_, Rule>) -> Text {
+pub fn text(p: Pair<'_, Rule>) -> Text {
     let span = span(&p);
     let raw = &p.as_str()[1..p.as_str().len() - 1];
     Text { value: raw.replace("\\\"", "\"").replace("\\\\", "\\"), span }
 }
 
-fn number(p: &Pair<'_, Rule>) -> Option<u32> {
+pub fn number(p: &Pair<'_, Rule>) -> Option<u32> {
     p.as_str().parse().ok()
 }
 
@@ -376,7 +380,7 @@ fn path_ref(p: Pair<'_, Rule>) -> PathRef {
     PathRef { parts: path(p).parts.into_iter().map(|n| (n.text, n.span)).collect() }
 }
 
-fn guard(p: Pair<'_, Rule>) -> Guard {
+pub fn guard(p: Pair<'_, Rule>) -> Guard {
     let span = span(&p);
     Guard { expr: expression(p), span }
 }
@@ -449,6 +453,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
                 "rise" => Term::Rise(argument),
                 "fall" => Term::Fall(argument),
                 "in" => Term::In(argument),
+                "alarm" => Term::Alarm(argument),
                 _ => Term::DoneOf(argument),
             })
         }

@@ -8,9 +8,10 @@
 
 mod build;
 mod scan;
+mod scenarios;
 mod syntax_error;
 
-use crate::base::{Code, Diagnostic, Diagnostics, Span, limits};
+use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast;
 use pest::Parser;
 use pest::iterators::Pair;
@@ -24,10 +25,10 @@ mod grammar {
     pub struct Grammar;
 }
 
-/// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped) within the size limit.
-pub fn decode(bytes: Vec<u8>) -> Result<String, Diagnostic> {
-    if bytes.len() > limits::SOURCE_BYTES {
-        return Err(Diagnostic::new(Code::TooLarge, format!("the file has more than {} bytes", limits::SOURCE_BYTES))
+/// Turns the bytes of a file into text: UTF-8 (a byte order mark is dropped), at most `limit` bytes.
+pub fn decode(bytes: Vec<u8>, limit: usize) -> Result<String, Diagnostic> {
+    if bytes.len() > limit {
+        return Err(Diagnostic::new(Code::TooLarge, format!("the file has more than {limit} bytes"))
             .help("describe one machine per file"));
     }
     match String::from_utf8(bytes) {
@@ -87,6 +88,8 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,
         Rule::bad_constraint => Rule::lone_constraint,
+        Rule::bad_plant_item => Rule::lone_plant_item,
+        Rule::bad_step => Rule::lone_step,
         other => unreachable!("{other:?} is no recovery rule"),
     };
     let error = Grammar::parse(strict, slice.as_str()).err()?;

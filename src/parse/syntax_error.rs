@@ -107,6 +107,19 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::signal | Rule::variable | Rule::constraint => "a name".into(),
         Rule::assumption => "`assume`".into(),
         Rule::never => "`never`".into(),
+        Rule::plant => "`plant`".into(),
+        Rule::hidden => "`hidden`".into(),
+        Rule::initially => "`initially`".into(),
+        Rule::travel | Rule::reaction | Rule::forced => "a name".into(),
+        Rule::change => "`follows`, `rises when` or `falls when`".into(),
+        Rule::driven => "`while driven`".into(),
+        Rule::time | Rule::scans => "a time such as `100ms` or `3 scans`".into(),
+        Rule::scenario => "`scenario`".into(),
+        Rule::preset => "`set` or `reset`".into(),
+        Rule::watch => "`always` or `never`".into(),
+        Rule::press | Rule::force | Rule::release | Rule::place | Rule::wait | Rule::expect | Rule::repeat => {
+            format!("`{rule:?}`")
+        }
         other => {
             let name = format!("{other:?}");
             let word = name.strip_prefix("kw_")?;

@@ -1,12 +1,16 @@
 //! The one place that knows the order of the stages.
 
-use crate::base::{Diagnostics, LineIndex};
+use crate::base::{Code, Diagnostic, Diagnostics, LineIndex};
 use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
-use crate::{check, lower, parse, resolve};
+use crate::ir::scenario::{Condition, Doing};
+use crate::prove::{self, Verdict};
+use crate::simulate::run::Program;
+use crate::{check, lower, parse, read, resolve};
 
 pub use crate::emit::Dialect;
+pub use crate::prove::Statistics;
 
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
@@ -27,6 +31,28 @@ pub fn lower(machine: &Machine) -> Project {
     lower::lower(machine)
 }
 
+/// What a machine without errors runs as, each with its name: the chart itself, and the PLC program that is
+/// read back from its XML.
+pub fn programs(machine: &Machine) -> Vec<(&'static str, Program)> {
+    let project = lower(machine);
+    let xml = emit::plcopen(&project, Dialect::Beremiz, &Header::default());
+    let (read, diagnostics) = read::read(&xml);
+    let read = read.unwrap_or_else(|| panic!("what is written can be read back: {diagnostics:?}"));
+    vec![("chart", Program::chart(machine)), ("plc", Program::plc(machine, &project, &read))]
+}
+
+/// A condition over the machine that `source` describes, as its scenarios write it. The places of the
+/// diagnostics mean nothing.
+pub fn condition(source: &str, text: &str) -> Result<Condition, Diagnostics> {
+    // The scenario that holds it comes last and changes no id of what is there.
+    let (machine, diagnostics) = check(&format!("{source}\nscenario \"\" {{ wait until {text}\nwithin 1 scan }}"));
+    let step = machine.and_then(|mut m| m.scenarios.pop()).and_then(|mut s| s.steps.pop());
+    match step.map(|s| s.doing) {
+        Some(Doing::Until(condition, _)) => Ok(condition),
+        _ => Err(diagnostics),
+    }
+}
+
 /// What [`build`] is told.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -34,6 +60,8 @@ pub struct Options {
     pub dialect: Dialect,
     /// When the file says that it was made, as `xsd:dateTime`; never read from a clock here.
     pub created: String,
+    /// Whether to prove that the file does what the machine says. If not, the file says so.
+    pub prove: bool,
 }
 
 /// What [`build`] makes.
@@ -47,17 +75,81 @@ pub struct Output {
     pub xml: String,
     /// What each name in the project stands for, as CSV.
     pub names: String,
+    /// How it was proved, if that was asked for.
+    pub proof: Option<Statistics>,
 }
 
 /// Text to PLCopen XML. Without errors among the diagnostics there is an output.
+///
+/// The proof is about the file: the XML is read back, by a reader that shares nothing with the writer,
+/// and one scan of what it says is proved equal to one scan of the machine.
 pub fn build(source: &str, options: &Options) -> (Option<Output>, Diagnostics) {
-    let (machine, diagnostics) = check(source);
-    let output = machine.map(|machine| {
-        let project = lower(&machine);
-        let header = Header { created: options.created.clone(), ..Header::default() };
-        let xml = emit::plcopen(&project, options.dialect, &header);
-        let names = emit::names::table(&project, &LineIndex::new(source));
-        Output { machine, project, xml, names }
-    });
-    (output, diagnostics)
+    let (machine, mut diagnostics) = check(source);
+    let Some(machine) = machine else { return (None, diagnostics) };
+    let project = lower(&machine);
+    let remark = (!options.prove).then(|| "not proved: built with --no-proof".to_owned());
+    let header = Header { created: options.created.clone(), remark, ..Header::default() };
+    let xml = emit::plcopen(&project, options.dialect, &header);
+    let mut proof = None;
+    if options.prove {
+        let (judgement, found) = examine(&machine, &project, &xml);
+        diagnostics.append(found);
+        match judgement {
+            Judgement::Proved(statistics) => proof = Some(statistics),
+            Judgement::Refuted(_) | Judgement::Undecided => return (None, diagnostics),
+        }
+    }
+    let names = emit::names::table(&project, &LineIndex::new(source));
+    (Some(Output { machine, project, xml, names, proof }), diagnostics)
+}
+
+/// What an examination of a program says.
+#[derive(Clone, Debug)]
+pub enum Judgement {
+    /// It does what the machine says.
+    Proved(Statistics),
+    /// It does not; the run that shows it, as a table.
+    Refuted(String),
+    /// It cannot be read or compared, or the question stays open; the diagnostics say why.
+    Undecided,
+}
+
+/// Text of a model and PLCopen XML of any origin to whether the program does what the machine says,
+/// with what there is to say about each of the two.
+pub fn prove(source: &str, xml: &str) -> (Judgement, Diagnostics, Diagnostics) {
+    let (machine, about_source) = check(source);
+    let Some(machine) = machine else { return (Judgement::Undecided, about_source, Diagnostics::new()) };
+    let (judgement, about_program) = examine(&machine, &lower(&machine), xml);
+    (judgement, about_source, about_program)
+}
+
+/// Whether the program in `xml` does what the machine says; `project` says what the names in it stand
+/// for.
+fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagnostics) {
+    let (program, mut diagnostics) = read::read(xml);
+    let Some(program) = program else { return (Judgement::Undecided, diagnostics) };
+    let names = prove::Correspondence::of(machine, project);
+    match prove::equivalence(machine, &names, &program) {
+        Verdict::Proved(statistics) => (Judgement::Proved(statistics), diagnostics),
+        Verdict::Refuted(trace) => {
+            let scans = trace.scans.len();
+            let different: Vec<String> =
+                trace.differences().iter().take(3).map(|&i| trace.compared[i].what.clone()).collect();
+            diagnostics.push(
+                Diagnostic::new(
+                    Code::Different,
+                    format!("the program does not do what the chart says: {} in scan {scans}", different.join(", ")),
+                )
+                .help("the table shows the run that leads there, chart beside program"),
+            );
+            (Judgement::Refuted(trace.to_string()), diagnostics)
+        }
+        Verdict::Unknown(doubt) => {
+            diagnostics.push(
+                Diagnostic::new(Code::Undecided, format!("the program could not be compared with the chart: {doubt}"))
+                    .help("a program that was made by `chartwright build` from this model can be"),
+            );
+            (Judgement::Undecided, diagnostics)
+        }
+    }
 }

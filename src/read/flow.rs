@@ -10,9 +10,13 @@ use super::xml::{self, Family, Node};
 use crate::base::Code;
 use crate::ir::expr::Expr;
 use crate::ir::iec::{Atom, BlockId, Bool, Call, Condition, Statement};
+use std::collections::BTreeMap;
 
 /// Longest chain of function blocks that feed each other.
 const CHAIN: usize = 64;
+
+/// How many elements and lines of one body may be looked at. Each end looks at all that feeds it.
+const VISITS: usize = 2_000_000;
 
 /// Depth from which on a part of a condition gets a place of its own.
 const DEEP: usize = 24;
@@ -23,6 +27,7 @@ pub struct Flow<'b, 'a> {
     /// For each element, whether it is a block that has been called.
     called: Vec<bool>,
     chain: usize,
+    visits: usize,
     /// The calls, in order. Whoever evaluates a condition puts them before it.
     pub calls: Vec<Statement>,
 }
@@ -34,21 +39,23 @@ struct Term {
     uses: usize,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum State {
-    New,
-    Open,
-    Done,
-}
-
 /// What is known of the elements that feed an end.
+#[derive(Default)]
 struct Walk {
     /// Each after those that feed it, with the value of what it does by itself.
     order: Vec<(usize, Bool)>,
-    /// How many lines leave each element, as far as it was walked.
-    uses: Vec<usize>,
-    state: Vec<State>,
+    /// Those that the walk has come upon.
+    met: BTreeMap<usize, Met>,
 }
+
+struct Met {
+    /// How many lines leave the element, as far as it was walked.
+    uses: usize,
+    /// Whether it is under way.
+    open: bool,
+}
+
+type Terms = BTreeMap<usize, Term>;
 
 /// An element under way.
 struct Visit<'a> {
@@ -61,21 +68,19 @@ struct Visit<'a> {
 impl<'b, 'a> Flow<'b, 'a> {
     /// Nothing called yet.
     pub fn new(body: &'b Body<'a>) -> Self {
-        Flow { body, called: vec![false; body.elements.len()], chain: 0, calls: Vec::new() }
+        Flow { body, called: vec![false; body.elements.len()], chain: 0, visits: 0, calls: Vec::new() }
     }
 
     /// The disjunction of what comes along `lines`.
     pub fn condition(&mut self, lines: &[Line<'a>], cx: &mut Context<'_, '_>) -> Result<Condition, Problem> {
-        let count = self.body.elements.len();
-        let mut walk = Walk { order: Vec::new(), uses: vec![0; count], state: vec![State::New; count] };
+        let mut walk = Walk::default();
         for line in lines {
             self.walk(line, &mut walk, cx)?;
         }
-        let mut terms: Vec<Option<Term>> = Vec::new();
-        terms.resize_with(count, || None);
+        let mut terms = Terms::new();
         let mut shared = Vec::new();
         for (element, own) in walk.order {
-            let uses = walk.uses[element];
+            let uses = walk.met.get(&element).map_or(0, |met| met.uses);
             let (value, depth) = self.term(element, own, &mut terms, cx)?;
             let (value, depth) = if depth > DEEP || (uses > 1 && !simple(&value)) {
                 shared.push(value);
@@ -83,7 +88,7 @@ impl<'b, 'a> Flow<'b, 'a> {
             } else {
                 (value, depth)
             };
-            terms[element] = Some(Term { value, depth, uses });
+            terms.insert(element, Term { value, depth, uses });
         }
         let mut operands = Vec::new();
         for line in lines {
@@ -98,24 +103,25 @@ impl<'b, 'a> Flow<'b, 'a> {
         let mut next = Some(end.from);
         loop {
             if let Some(element) = next {
-                walk.uses[element] += 1;
-                match walk.state[element] {
-                    State::New => {
-                        walk.state[element] = State::Open;
+                let node = self.body.elements[element];
+                match walk.met.get_mut(&element) {
+                    None => {
+                        walk.met.insert(element, Met { uses: 1, open: true });
                         stack.push(self.visit(element, cx)?);
                     }
-                    State::Open => {
-                        let node = self.body.elements[element];
+                    Some(met) if met.open => {
                         let message = format!("{} feeds itself", describe(node));
                         return Err(xml::problem(Code::Unconnected, message, node));
                     }
-                    State::Done => {}
+                    Some(met) => met.uses += 1,
                 }
             }
             let Some(visit) = stack.last_mut() else { return Ok(()) };
             next = visit.inputs.pop().map(|line| line.from);
             if next.is_none() {
-                walk.state[visit.element] = State::Done;
+                if let Some(met) = walk.met.get_mut(&visit.element) {
+                    met.open = false;
+                }
                 let own = std::mem::replace(&mut visit.own, Expr::TRUE);
                 walk.order.push((visit.element, own));
                 stack.pop();
@@ -148,6 +154,10 @@ impl<'b, 'a> Flow<'b, 'a> {
             "block" => self.call(element, cx)?,
             _ => return Err(xml::not_understood(format!("{} as a source", describe(node)), node)),
         }
+        self.visits += 1 + visit.inputs.len();
+        if self.visits > VISITS {
+            return Err(xml::not_understood("a body in which so many lines meet", node));
+        }
         visit.inputs.reverse();
         Ok(visit)
     }
@@ -167,7 +177,7 @@ impl<'b, 'a> Flow<'b, 'a> {
         &mut self,
         element: usize,
         own: Bool,
-        terms: &mut [Option<Term>],
+        terms: &mut Terms,
         cx: &mut Context<'_, '_>,
     ) -> Result<(Bool, usize), Problem> {
         let node = self.body.elements[element];
@@ -193,7 +203,7 @@ impl<'b, 'a> Flow<'b, 'a> {
     fn along(
         &mut self,
         line: &Line<'a>,
-        terms: &mut [Option<Term>],
+        terms: &mut Terms,
         cx: &mut Context<'_, '_>,
     ) -> Result<(Bool, usize), Problem> {
         let node = self.body.elements[line.from];
@@ -201,7 +211,7 @@ impl<'b, 'a> Flow<'b, 'a> {
             let value = self.output(line, cx)?.bool().ok_or_else(|| needs_bool(node))?;
             return Ok((value, 2));
         }
-        let Some(term) = &mut terms[line.from] else { return Ok((Expr::FALSE, 1)) };
+        let Some(term) = terms.get_mut(&line.from) else { return Ok((Expr::FALSE, 1)) };
         term.uses = term.uses.saturating_sub(1);
         if term.uses == 0 {
             let value = std::mem::replace(&mut term.value, Expr::FALSE);

@@ -7,6 +7,8 @@
 //! initial step on: a step, the transitions out of it as noted, and after each its targets. What is
 //! not reached so is not written.
 
+use std::collections::BTreeSet;
+
 /// A drawing, all things by number.
 #[derive(Debug, Default)]
 pub struct Drawing {
@@ -61,6 +63,7 @@ pub fn order(drawing: &Drawing) -> Order {
     let (mut noted_step, mut noted_transition) = (vec![false; steps], vec![false; transitions]);
     let mut out_of: Vec<Vec<usize>> = vec![Vec::new(); steps];
     let mut initial = Vec::new();
+    let mut entered = BTreeSet::new();
     // Tasks stand in reverse: the last one comes first.
     let mut tasks = Vec::new();
     for element in &drawing.elements {
@@ -97,7 +100,7 @@ pub fn order(drawing: &Drawing) -> Order {
                     }
                 }
                 Task::Enters(transition, step) => {
-                    if !order.after[transition].contains(&step) {
+                    if entered.insert((transition, step)) {
                         order.after[transition].push(step);
                     }
                 }

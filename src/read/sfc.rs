@@ -20,7 +20,8 @@ use super::xml::{self, Family, Node};
 use crate::base::iec::fold;
 use crate::base::{Code, Id};
 use crate::ir::iec::{Association, Condition, Qualifier, Sfc, Statement, Step, StepId, Target, Transition};
-use std::collections::BTreeMap;
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Names of the vendor attributes that change what a step does.
 const VENDOR: [(&str, &str); 5] = [
@@ -33,6 +34,9 @@ const VENDOR: [(&str, &str); 5] = [
 /// The vendor attribute of elements that are not executed.
 const EXCLUDED: &str = "01580b27-6378-448b-8ecb-0e4b795b58d6";
 
+/// Most lines that are followed in one body, each as often as something lies behind it.
+const LINES: usize = 2_000_000;
+
 /// The things of a body by number, in document order.
 struct Parts<'a> {
     body: &'a Body<'a>,
@@ -43,6 +47,8 @@ struct Parts<'a> {
     names: BTreeMap<String, usize>,
     step_nodes: Vec<Node<'a>>,
     transition_nodes: Vec<Node<'a>>,
+    /// How many lines have been followed.
+    followed: Cell<usize>,
 }
 
 /// Reads what stands within `SFC`; `pou` is the program around it.
@@ -108,6 +114,7 @@ impl<'a> Parts<'a> {
             names: BTreeMap::new(),
             step_nodes: Vec::new(),
             transition_nodes: Vec::new(),
+            followed: Cell::new(0),
         };
         for (index, &node) in body.elements.iter().enumerate() {
             match node.tag_name().name() {
@@ -209,11 +216,21 @@ impl<'a> Parts<'a> {
         Ok(lines.first().copied())
     }
 
+    /// Counts a line, so that no file costs more than a bounded multiple of its size.
+    fn follow(&self, node: Node<'a>) -> Result<(), Problem> {
+        self.followed.set(self.followed.get() + 1);
+        if self.followed.get() > LINES {
+            return Err(xml::not_understood("an SFC in which so many branches meet", node));
+        }
+        Ok(())
+    }
+
     /// The steps that all must be active for a transition.
     fn steps_before(&self, transition: Node<'a>, cx: &Context<'_, '_>) -> Result<Vec<usize>, Problem> {
+        // Collected from the last to the first.
         let mut steps = Vec::new();
         let mut open = vec![transition];
-        let mut seen = vec![false; self.body.elements.len()];
+        let mut seen = BTreeSet::new();
         while let Some(node) = open.pop() {
             let lines = match node.tag_name().name() {
                 "simultaneousConvergence" => self.body.lines(node)?,
@@ -224,10 +241,11 @@ impl<'a> Parts<'a> {
                 return Err(xml::problem(Code::Unconnected, message, node));
             }
             for line in lines.iter().rev() {
+                self.follow(node)?;
                 let source = self.body.elements[line.from];
                 if let Some(&step) = self.steps.get(&line.from) {
-                    if !steps.contains(&step) {
-                        steps.insert(0, step);
+                    if seen.insert(line.from) {
+                        steps.push(step);
                     }
                     continue;
                 }
@@ -239,12 +257,13 @@ impl<'a> Parts<'a> {
                     | ("simultaneousConvergence", "simultaneousConvergence") => cx.family == Family::Codesys,
                     _ => false,
                 };
-                if !fits || std::mem::replace(&mut seen[line.from], true) {
+                if !fits || !seen.insert(line.from) {
                     return Err(misplaced(source, node));
                 }
                 open.push(source);
             }
         }
+        steps.reverse();
         Ok(steps)
     }
 
@@ -252,11 +271,12 @@ impl<'a> Parts<'a> {
     fn transitions_before(&self, target: Node<'a>, cx: &Context<'_, '_>) -> Result<Vec<usize>, Problem> {
         let mut transitions = Vec::new();
         let mut open: Vec<(Node<'a>, Line<'a>)> = self.single(target)?.into_iter().map(|l| (target, l)).collect();
-        let mut seen = vec![false; self.body.elements.len()];
+        let mut seen = BTreeSet::new();
         while let Some((node, line)) = open.pop() {
+            self.follow(node)?;
             let source = self.body.elements[line.from];
             if let Some(&transition) = self.transitions.get(&line.from) {
-                if !transitions.contains(&transition) {
+                if seen.insert(line.from) {
                     transitions.push(transition);
                 }
                 continue;
@@ -271,7 +291,7 @@ impl<'a> Parts<'a> {
                 ("selectionConvergence", "jumpStep") if cx.family == Family::Codesys => continue,
                 _ => false,
             };
-            if !fits || std::mem::replace(&mut seen[line.from], true) {
+            if !fits || !seen.insert(line.from) {
                 return Err(misplaced(source, node));
             }
             let lines = match above {

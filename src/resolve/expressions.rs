@@ -28,6 +28,10 @@ pub enum Context {
     Constraint,
     /// `assume … never …`: all but states and outputs of this scan.
     Assumption,
+    /// A condition of the plant: inputs and outputs.
+    Plant,
+    /// A condition of a scenario: everything.
+    Expectation,
 }
 
 impl Resolver {
@@ -36,7 +40,7 @@ impl Resolver {
         guard.expr.map(&mut |term| self.term(term, context))
     }
 
-    fn term(&mut self, term: &Term, context: &Context) -> Guard {
+    pub fn term(&mut self, term: &Term, context: &Context) -> Guard {
         match term {
             Term::Value(path) => self.value(path, context),
             Term::Prev(path) => self.previous(path, context),
@@ -57,6 +61,15 @@ impl Resolver {
                     Expr::FALSE
                 }
             },
+            Term::Alarm(path) => {
+                self.misplaced(
+                    "only a scenario asks for alarms",
+                    path.span(),
+                    "not allowed here",
+                    "say it by what the constraint says",
+                );
+                Expr::FALSE
+            }
         }
     }
 
@@ -109,9 +122,20 @@ impl Resolver {
             (Symbol::Input(id), _) => Expr::Atom(Atom::Input(id)),
             (
                 Symbol::Variable(id),
-                Context::Guard { .. } | Context::Active { .. } | Context::Constraint | Context::Assumption,
+                Context::Guard { .. }
+                | Context::Active { .. }
+                | Context::Constraint
+                | Context::Assumption
+                | Context::Expectation,
             ) => Expr::Atom(Atom::Variable(id)),
-            (Symbol::Output(id), Context::Constraint) => Expr::Atom(Atom::Output(id)),
+            (Symbol::Output(id), Context::Constraint | Context::Plant | Context::Expectation) => {
+                Expr::Atom(Atom::Output(id))
+            }
+            (Symbol::Variable(_), Context::Plant) => {
+                self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
+                Expr::FALSE
+            }
+            (Symbol::Bit(_), _) => self.hidden(path),
             (Symbol::Output(_), Context::Assumption) => {
                 self.bad_assumption(path.span(), &format!("`{name}` is what the program decides in this scan"));
                 Expr::FALSE
@@ -136,6 +160,7 @@ impl Resolver {
             (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
             (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
             (Symbol::Variable(_), _) => self.no_past(path),
+            (Symbol::Bit(_), _) => self.hidden(path),
         }
     }
 
@@ -144,7 +169,10 @@ impl Resolver {
         let (now, before) = match (symbol, context) {
             (_, Context::Sensor) => return self.only_inputs(path, symbol),
             (Symbol::Input(id), _) => (Atom::Input(id), Atom::PrevInput(id)),
-            (Symbol::Output(id), Context::Constraint) => (Atom::Output(id), Atom::PrevOutput(id)),
+            (Symbol::Output(id), Context::Constraint | Context::Plant | Context::Expectation) => {
+                (Atom::Output(id), Atom::PrevOutput(id))
+            }
+            (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
             (Symbol::Variable(_), _) => return self.no_past(path),
         };
@@ -154,7 +182,12 @@ impl Resolver {
 
     fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
         let region = match context {
-            Context::Guard { region, .. } | Context::Active { region } => *region,
+            Context::Guard { region, .. } | Context::Active { region } => Some(*region),
+            Context::Expectation => self.outermost(&path.parts[0].0),
+            Context::Plant => {
+                self.plant_reads(path.span(), "the active states are what the program knows");
+                return Expr::FALSE;
+            }
             Context::Sensor => {
                 self.misplaced(
                     "a sensor does not know of states",
@@ -179,7 +212,12 @@ impl Resolver {
             }
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
-        match self.state(&parts, region) {
+        let found = match (self.chart(parts[0].0), &parts[1..], context) {
+            // From outside, the name of a chart may stand before the path.
+            (Some(region), rest @ [_, ..], Context::Expectation) => self.state(rest, Some(region)),
+            _ => self.state(&parts, region),
+        };
+        match found {
             Some(state) => Expr::Atom(atom(state)),
             None => Expr::FALSE,
         }
@@ -197,6 +235,25 @@ impl Resolver {
             "a position is confirmed by inputs, joined by `and`, `or`, `not`",
         );
         Expr::FALSE
+    }
+
+    fn hidden(&mut self, path: &PathRef) -> Guard {
+        let name = &path.parts[0].0;
+        self.misplaced(
+            &format!("`{name}` is hidden in the plant"),
+            path.span(),
+            "the program cannot see it",
+            "no sensor tells it; only the plant and scenarios may name it",
+        );
+        Expr::FALSE
+    }
+
+    fn plant_reads(&mut self, span: Span, message: &str) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::PlantReads, message)
+                .label(span, "a plant sees what stands at the terminals")
+                .help("name inputs, outputs and hidden bits only"),
+        );
     }
 
     fn no_past(&mut self, path: &PathRef) -> Guard {

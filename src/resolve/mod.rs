@@ -12,12 +12,17 @@
 //! 4. [`transitions`]: transitions and what they do
 //! 5. [`behaviour`]: what states drive, set and reset
 //! 6. [`safety`]: constraints and assumptions, split into products
+//! 7. [`plant`]: actuators that travel, rules for other inputs
+//! 8. [`scenarios`]: tests of the machine, times in scans
 
 mod actuators;
 mod behaviour;
 mod expressions;
 mod names;
+mod plant;
 mod safety;
+mod scenarios;
+mod seen;
 mod signals;
 mod states;
 mod transitions;
@@ -45,6 +50,8 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     transitions::resolve(&mut resolver, &bodies);
     behaviour::resolve(&mut resolver, &bodies);
     safety::resolve(&mut resolver, tree);
+    plant::resolve(&mut resolver, tree);
+    scenarios::resolve(&mut resolver, tree);
     (resolver.machine, resolver.diagnostics)
 }
 

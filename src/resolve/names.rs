@@ -2,6 +2,7 @@
 
 use super::Resolver;
 use crate::base::{Code, Diagnostic, Span, iec, limits};
+use crate::ir::scenario::BitId;
 use crate::ir::{ast, chart};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -12,6 +13,7 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Bit(BitId),
 }
 
 /// The tables, by folded name. They are only looked up, never walked, so that no order of hashing
@@ -162,6 +164,17 @@ impl Resolver {
         }
     }
 
+    /// The input of that name, or an error.
+    pub fn input(&mut self, name: &ast::Name) -> Option<chart::InputId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Input(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an input");
+                None
+            }
+        }
+    }
+
     /// The variable of that name, or an error.
     pub fn variable(&mut self, name: &ast::Name) -> Option<chart::VariableId> {
         match self.symbol(&name.text) {
@@ -186,7 +199,7 @@ impl Resolver {
         found
     }
 
-    fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
+    pub fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
         match found {
             Some(symbol) => self.diagnostics.push(
                 Diagnostic::new(Code::WrongKind, format!("`{}` is {}, not {wanted}", name.text, kind(symbol)))
@@ -207,12 +220,28 @@ impl Resolver {
         self.diagnostics.push(d);
     }
 
-    /// The state that `parts` mean where they are written: in `region`, then outward, else anywhere
-    /// in the machine if only one fits.
-    pub fn state(&mut self, parts: &[(&str, Span)], region: chart::RegionId) -> Option<chart::StateId> {
+    /// The outermost region that alone has something called `name`: where a search from outside begins.
+    pub fn outermost(&self, name: &str) -> Option<chart::RegionId> {
+        let regions = self.machine.charts.iter().flat_map(|c| &c.regions);
+        let mut found: Vec<(Place, chart::RegionId)> =
+            regions.filter_map(|&r| Some((self.outward(name, r)?, r))).collect();
+        found.dedup_by_key(|(place, _)| *place);
+        if let [(_, region)] = found[..] { Some(region) } else { None }
+    }
+
+    /// The first region of the chart of that name, unless a state or region is called so, too.
+    pub fn chart(&self, name: &str) -> Option<chart::RegionId> {
+        let folded = iec::fold(name);
+        let chart = self.machine.charts.iter().find(|c| iec::fold(&c.name) == folded)?;
+        (!self.names.everywhere.contains_key(&folded)).then(|| chart.regions.first().copied()).flatten()
+    }
+
+    /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
+    /// else anywhere in the machine if only one fits.
+    pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {
         let span = parts[0].1.to(parts[parts.len() - 1].1);
         let text = parts.iter().map(|p| p.0).collect::<Vec<_>>().join(".");
-        if let Some(start) = self.outward(parts[0].0, region) {
+        if let Some(start) = region.and_then(|r| self.outward(parts[0].0, r)) {
             return match self.follow(start, &parts[1..]) {
                 Ok(Place::State(id)) => Some(id),
                 Ok(Place::Region(_)) => {
@@ -324,6 +353,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }
 

@@ -1,9 +1,9 @@
-//! Declared inputs, outputs and variables to those of the machine, with their addresses.
+//! Declared inputs, outputs, variables and hidden bits to those of the machine, with their addresses.
 
 use super::Resolver;
 use super::names::{Symbol, describe};
 use crate::base::{Code, Diagnostic, Span};
-use crate::ir::{ast, chart};
+use crate::ir::{ast, chart, scenario};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -31,6 +31,13 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             span: variable.name.span,
         });
         r.declare_symbol(&variable.name, Symbol::Variable(id));
+    }
+    // Declared here, so that a condition of the program that names one is told what it is.
+    for hidden in tree.plants.iter().flat_map(|p| &p.hidden) {
+        let (name, span) = (hidden.name.text.clone(), hidden.name.span);
+        let description = describe(&hidden.description);
+        let id = r.machine.plant.bits.push(scenario::Bit { name, description, span });
+        r.declare_symbol(&hidden.name, Symbol::Bit(id));
     }
 }
 

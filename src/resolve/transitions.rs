@@ -187,7 +187,7 @@ fn sensor(
 
 fn find(r: &mut Resolver, body: &ResolvedBody<'_>, path: &ast::Path) -> Option<chart::StateId> {
     let parts: Vec<(&str, Span)> = path.parts.iter().map(|n| (n.text.as_str(), n.span)).collect();
-    r.state(&parts, body.region)
+    r.state(&parts, Some(body.region))
 }
 
 /// Guard and effects; without `when`, a composite source waits for `done`.

@@ -1,8 +1,9 @@
 //! The binary and places where it may write.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// The binary, run in `directory` with arguments that are separated by spaces.
 pub fn chartwright(directory: &Path, arguments: &str) -> Output {
@@ -17,6 +18,16 @@ pub fn command(directory: &Path, arguments: &str) -> Command {
         command.env_remove(variable);
     }
     command
+}
+
+/// The binary, run in `directory` with these arguments and that on standard input.
+pub fn run(directory: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut command = command(directory, "");
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the binary runs");
+    // A run that needs no input may have ended before it is written.
+    let _ = child.stdin.take().expect("standard input is piped").write_all(input.as_bytes());
+    child.wait_with_output().expect("the binary runs")
 }
 
 /// The exit code.

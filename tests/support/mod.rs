@@ -2,9 +2,12 @@
 
 pub mod binary;
 pub mod charts;
+pub mod damage;
+pub mod generate;
 pub mod items;
 pub mod models;
 pub mod plc;
+pub mod proof;
 pub mod random;
 pub mod read;
 pub mod rng;

@@ -1,6 +1,6 @@
 //! Models of the repository and what the compiler says about them.
 
-use chartwright::base::{Code, Diagnostic, Diagnostics, Severity};
+use chartwright::base::{Code, Diagnostic, Diagnostics, Severity, limits};
 use chartwright::{parse, pipeline};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,9 +18,16 @@ pub fn listing(directory: &str) -> Vec<String> {
     names
 }
 
-/// What the compiler has to say about the bytes of a model.
+/// The model with which PLC projects are compared.
+pub const COMPARED: &str = "models/onoff.chart";
+
+/// What the compiler has to say about the bytes of a model, or of a PLC project.
 pub fn diagnose(bytes: &[u8]) -> Diagnostics {
-    match parse::decode(bytes.to_vec()) {
+    match parse::decode(bytes.to_vec(), limits::SOURCE_BYTES) {
+        Ok(program) if program.starts_with("<?xml") => {
+            let model = fs::read_to_string(repository(COMPARED)).expect("the model is there");
+            pipeline::prove(&model, &program).2
+        }
         Ok(source) => pipeline::check(&source).1,
         Err(diagnostic) => {
             let mut diagnostics = Diagnostics::new();
@@ -67,7 +74,7 @@ pub fn invalid() -> Vec<String> {
 fn charts(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut files: Vec<PathBuf> = entries.map(|e| e.expect("entries can be read").path()).collect();
-    files.retain(|p| p.extension().is_some_and(|e| e == "chart"));
+    files.retain(|p| p.extension().is_some_and(|e| e == "chart" || e == "xml"));
     files.sort();
     files
 }

@@ -125,7 +125,7 @@ impl Meaning {
 /// Where a run of the machine and one of its program, written as XML and read back, first differ.
 /// Invalid models have no run.
 pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> Option<String> {
-    let options = Options { dialect, created: "1970-01-01T00:00:00".into() };
+    let options = Options { dialect, created: "1970-01-01T00:00:00".into(), prove: false };
     let built = pipeline::build(source, &options).0?;
     let machine = &built.machine;
     let (read_back, problems) = read(&built.xml);

@@ -16,7 +16,7 @@ pub fn shrink(model: &[Item], mut fails: impl FnMut(&[Item]) -> bool) -> Vec<Ite
             let mut next = 0;
             loop {
                 let proposals = propose(&best);
-                let Some(found) = proposals.iter().skip(next).position(|p| fails(p)) else { break };
+                let Some(found) = proposals.iter().skip(next).position(|p| **p != best[..] && fails(p)) else { break };
                 next += found;
                 best = proposals.into_iter().nth(next).expect("it was there");
             }

@@ -1,0 +1,50 @@
+//! A model and a program to a verdict.
+
+use super::args::{Format, Prove as Args};
+use super::report::{FileReport, Report};
+use super::{Outcome, files, finish, say};
+use crate::pipeline::{self, Judgement};
+use serde::Serialize;
+
+/// The verdict, for the JSON document.
+#[derive(Serialize)]
+struct Result {
+    verdict: &'static str,
+    /// The run that refutes the program, as a table.
+    trace: Option<String>,
+}
+
+/// Runs `chartwright prove`.
+pub fn run(args: &Args) -> Outcome {
+    let mut report = Report::default();
+    let mut texts = Vec::new();
+    for (path, read) in [(&args.file, files::read(&args.file)), (&args.program, files::read_program(&args.program))] {
+        match read {
+            Ok(text) => texts.push(text),
+            Err(diagnostic) => report.files.push(FileReport::failed(files::show(path), diagnostic)),
+        }
+    }
+    let mut result = Result { verdict: "undecided", trace: None };
+    if let Ok([source, program]) = <[String; 2]>::try_from(texts) {
+        let (judgement, about_source, about_program) = pipeline::prove(&source, &program);
+        let file = files::show(&args.file);
+        report.files.push(FileReport { file, source, diagnostics: about_source });
+        let file = files::show(&args.program);
+        report.files.push(FileReport { file, source: program, diagnostics: about_program });
+        match judgement {
+            Judgement::Proved(_) => result.verdict = "proved",
+            Judgement::Refuted(trace) => result = Result { verdict: "refuted", trace: Some(trace) },
+            Judgement::Undecided => {}
+        }
+    }
+    let outcome = finish("prove", args.output.format, &report, &result);
+    if args.output.format == Format::Human {
+        if let Some(trace) = &result.trace {
+            say(&format!("\n{trace}"));
+        }
+        if result.verdict == "proved" {
+            say("proved: one scan of the program is one scan of the chart\n");
+        }
+    }
+    outcome
+}

@@ -1,0 +1,229 @@
+//! The plant and the scenarios of a machine: how its parts react, and what is expected of it.
+//!
+//! The program knows nothing of either. All times are in scans of the machine's cycle.
+//!
+//! # What a plant means, scan by scan
+//!
+//! A scan has two phases: the plant moves under the outputs that were written in the scan before, then
+//! the program runs and writes outputs. Before the program's scan,
+//!
+//! 1. each [`Travel`] takes one step, and its sensors follow from where it is;
+//! 2. the [`Rule`]s are tried in the order in which they are written. A rule whose condition holds
+//!    while its target has another value counts; when its condition has held for [`Rule::delay`] scans
+//!    more, the target changes. In all other cases its count begins anew.
+//!
+//! Conditions read outputs as they stand at the terminals, and inputs and hidden bits as they are at
+//! that moment: what rules further down will change still has its value of the scan before.
+//! [`Atom::PrevInput`] is what the program saw in the scan before, [`Atom::PrevOutput`] what stood at the
+//! terminals a scan before. In the first scan nothing travels: the plant stands as [`Plant::initially`]
+//! and [`Plant::places`] say, with all outputs FALSE, and the rules are tried.
+//!
+//! A scenario that forces an input holds its value, whatever the plant does; its rules rest meanwhile.
+
+use super::chart::{ActuatorId, Atom, ConstraintId, InputId, Machine};
+use super::expr::Expr;
+use crate::base::{Arena, Id, Span};
+
+/// Names a hidden bit.
+pub type BitId = Id<Bit>;
+
+/// How the machine's parts react.
+#[derive(Clone, Debug, Default)]
+pub struct Plant {
+    /// What no sensor tells, in order of declaration.
+    pub bits: Arena<Bit>,
+    /// The inputs and bits that are given a value to begin with; all others are FALSE.
+    pub initially: Vec<(Given, bool)>,
+    /// The positions, by index, at which actuators begin; all others begin at their first.
+    pub places: Vec<(ActuatorId, usize)>,
+    /// Actuators that move, each once.
+    pub travels: Vec<Travel>,
+    /// The rules for other inputs and for bits, in order.
+    pub rules: Vec<Rule>,
+}
+
+/// Something that no sensor tells.
+#[derive(Clone, Debug)]
+pub struct Bit {
+    /// Its name, unique among signals.
+    pub name: String,
+    /// What it means when TRUE.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// What a plant or a scenario gives values to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Given {
+    /// An input of the program.
+    Input(InputId),
+    /// A hidden bit.
+    Bit(BitId),
+}
+
+/// An actuator that moves between its two positions.
+#[derive(Clone, Debug)]
+pub struct Travel {
+    /// The actuator.
+    pub actuator: ActuatorId,
+    /// What its outputs do.
+    pub valve: Valve,
+    /// Scans from the first position to the second; at least one.
+    pub out: u32,
+    /// Scans from the second position to the first; at least one.
+    pub back: u32,
+    /// What it needs to move; a spring works without.
+    pub power: Condition,
+    /// Its sensors.
+    pub sensors: Vec<Sensor>,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// What the outputs of an actuator that travels do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Valve {
+    /// The last order of one output alone goes on: a valve with two coils.
+    Keeps,
+    /// It moves while one output alone is TRUE, else it stands: a valve with closed centre, a motor.
+    WhileDriven,
+    /// To the second position while the output is TRUE, else back to the first.
+    Spring,
+}
+
+/// An input that says where an actuator is.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensor {
+    /// The input.
+    pub input: InputId,
+    /// The position that it confirms, by index.
+    pub position: usize,
+    /// Its value there; elsewhere it has the other one.
+    pub there: bool,
+}
+
+/// An input or bit that changes when a condition has held for a while.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// What changes.
+    pub target: Given,
+    /// What it becomes.
+    pub value: bool,
+    /// When.
+    pub condition: Condition,
+    /// For how many scans after the first one the condition has to hold.
+    pub delay: u32,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A Boolean expression over all that can be seen from outside.
+pub type Condition = Expr<Seen>;
+
+/// What a condition of a plant or scenario can read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Seen {
+    /// What the machine reads, too. In scenarios it is read at the end of a scan; [`Atom::Output`] is
+    /// what the filter has decided.
+    Machine(Atom),
+    /// A hidden bit.
+    Bit(BitId),
+    /// A hidden bit in the scan before.
+    PrevBit(BitId),
+    /// Whether the constraint had to act in this scan.
+    Acted(ConstraintId),
+    /// Whether the assumption of that index was broken in this scan.
+    Broken(usize),
+}
+
+/// A test of the machine.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Its name, unique in the machine.
+    pub name: String,
+    /// The scenario that is played before, by index.
+    pub after: Option<usize>,
+    /// What is done, in order.
+    pub steps: Vec<Step>,
+    /// Its name, where it is declared.
+    pub span: Span,
+}
+
+/// One line of a scenario.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// What is done.
+    pub doing: Doing,
+    /// Why, in the words of the model.
+    pub text: String,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// What a line of a scenario does. Only `Press`, `Wait` and `Until` let scans run.
+#[derive(Clone, Debug)]
+pub enum Doing {
+    /// Gives values from the next scan on.
+    Set(Vec<(Given, bool)>),
+    /// Runs scans with these inputs TRUE; they are FALSE in the scan before and from the next one on.
+    Press(Vec<Given>, u32),
+    /// Holds inputs at values, whatever the plant does.
+    Force(Vec<(InputId, bool)>),
+    /// Holds them no more.
+    Release(Vec<InputId>),
+    /// Puts an actuator at a position.
+    Place(ActuatorId, usize),
+    /// Runs scans.
+    Wait(u32),
+    /// Runs one scan and more until the condition holds; it has to within that many.
+    Until(Condition, u32),
+    /// The condition has to hold after the last scan.
+    Expect(Condition),
+    /// From the next scan to the end of the scenario the condition has to have this value.
+    Watch(Condition, bool),
+    /// All that several times.
+    Repeat(u32, Vec<Step>),
+}
+
+impl Plant {
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.bits.is_empty() && self.initially.is_empty() && self.travels.is_empty() && self.rules.is_empty()
+    }
+
+    /// For each input, whether the plant gives its value.
+    pub fn gives(&self, inputs: usize) -> Vec<bool> {
+        let mut gives = vec![false; inputs];
+        for sensor in self.travels.iter().flat_map(|t| &t.sensors) {
+            gives[sensor.input.index()] = true;
+        }
+        for rule in &self.rules {
+            if let Given::Input(input) = rule.target {
+                gives[input.index()] = true;
+            }
+        }
+        gives
+    }
+}
+
+impl Machine {
+    /// What an input or hidden bit is called.
+    pub fn given(&self, given: Given) -> &str {
+        match given {
+            Given::Input(i) => &self.inputs[i].name,
+            Given::Bit(b) => &self.plant.bits[b].name,
+        }
+    }
+
+    /// What a condition reads, as a model writes it.
+    pub fn seen(&self, seen: Seen) -> String {
+        match seen {
+            Seen::Machine(atom) => self.atom(atom),
+            Seen::Bit(b) => self.plant.bits[b].name.clone(),
+            Seen::PrevBit(b) => format!("prev({})", self.plant.bits[b].name),
+            Seen::Acted(c) => format!("alarm({})", self.safety.constraints[c].name),
+            Seen::Broken(a) => format!("alarm({})", self.safety.assumptions[a].name),
+        }
+    }
+}

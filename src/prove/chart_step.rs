@@ -1,0 +1,296 @@
+//! One scan of a chart as Boolean functions: configuration, memory and inputs before it to those
+//! after it, to commands, outputs and alarms.
+//!
+//! It is written from the meaning of a [`Machine`], which stands at the head of
+//! [`chart`](crate::ir::chart), and shares nothing with [`lower`](crate::lower): what a compiled program
+//! is compared with must not have been made by the same hands.
+//!
+//! # Time
+//!
+//! `after(S, T)` compares a clock with the moment of the first scan that began in S. What matters of
+//! that are three things: whether this is that first scan (then no time has passed), whether the time
+//! had passed in an earlier scan already, and whether it passes now. The first two are remembered; the
+//! last one is a literal that is given for each scan, so that all courses of time are covered, those of
+//! a late scan included.
+
+use super::aig::{Aig, Lit};
+use super::chart_filter;
+use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use std::collections::{BTreeMap, HashMap};
+
+/// What a chart remembers from scan to scan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChartState {
+    /// For each state, whether it is active.
+    pub active: Vec<Lit>,
+    /// For each variable, its value.
+    pub variables: Vec<Lit>,
+    /// For each input, its value in the last scan.
+    pub inputs: Vec<Lit>,
+    /// For each output, what the filter let through in the last scan.
+    pub outputs: Vec<Lit>,
+    /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
+    pub fresh: Vec<Lit>,
+    /// For each timer, whether its state is active and its time had passed in the last scan.
+    pub past: Vec<Lit>,
+}
+
+/// What happens in one scan.
+#[derive(Clone, Debug)]
+pub struct ChartScan {
+    /// What is remembered; its outputs are those of this scan.
+    pub after: ChartState,
+    /// For each transition, whether it fires.
+    pub fires: Vec<Lit>,
+    /// For each output, whether an active state drives it.
+    pub commands: Vec<Lit>,
+    /// For each constraint, whether it had to act on the commands.
+    pub acted: Vec<Lit>,
+    /// For each assumption, whether the plant breaks it.
+    pub broken: Vec<Lit>,
+    /// For each timer, whether this is the first scan that began in its state.
+    pub begins: Vec<Lit>,
+}
+
+/// What the scans of one machine share.
+pub struct ChartStep<'m> {
+    machine: &'m Machine,
+    /// For each region, its transitions in the order in which they are tried.
+    scoped: Vec<Vec<TransitionId>>,
+    timers: BTreeMap<(StateId, u32), usize>,
+    rounds: usize,
+}
+
+impl<'m> ChartStep<'m> {
+    /// `rounds` is the number of rounds after which the filter is known to be at rest, see
+    /// [`chart_filter::rounds`].
+    pub fn new(machine: &'m Machine, rounds: usize) -> Self {
+        let mut timers = BTreeMap::new();
+        for t in machine.transitions.values() {
+            t.guard.for_each_atom(&mut |atom| {
+                if let Atom::After(s, ms) = *atom {
+                    timers.insert((s, ms), 0);
+                }
+            });
+        }
+        timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
+        ChartStep { machine, scoped: machine.scoped(), timers, rounds }
+    }
+
+    /// The states and times in milliseconds that guards ask for, each once.
+    pub fn timers(&self) -> impl ExactSizeIterator<Item = (StateId, u32)> + '_ {
+        self.timers.keys().copied()
+    }
+
+    /// The first scan after power-up: the initial states are entered, no transition fires, inputs
+    /// have no other past than themselves.
+    pub fn first(&self, aig: &mut Aig, inputs: &[Lit]) -> ChartScan {
+        let m = self.machine;
+        let before = ChartState {
+            active: vec![Lit::FALSE; m.states.len()],
+            variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
+            inputs: inputs.to_vec(),
+            outputs: vec![Lit::FALSE; m.outputs.len()],
+            fresh: vec![Lit::FALSE; self.timers.len()],
+            past: vec![Lit::FALSE; self.timers.len()],
+        };
+        let elapsed = vec![Lit::FALSE; self.timers.len()];
+        let fires = vec![Lit::FALSE; m.transitions.len()];
+        self.rest(aig, &before, inputs, fires, &elapsed, Lit::TRUE)
+    }
+
+    /// Any later scan. `clocks` says for each timer whether its time has passed by now, if it runs.
+    pub fn scan(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], clocks: &[Lit]) -> ChartScan {
+        let mut elapsed = Vec::new();
+        for ((s, _), &i) in &self.timers {
+            let passed = aig.or(before.past[i], clocks[i]);
+            let waits = aig.and(before.active[s.index()], !before.fresh[i]);
+            elapsed.push(aig.and(waits, passed));
+        }
+        let fires = self.fires(aig, before, inputs, &elapsed);
+        self.rest(aig, before, inputs, fires, &elapsed, Lit::FALSE)
+    }
+
+    /// Which transitions fire.
+    fn fires(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], elapsed: &[Lit]) -> Vec<Lit> {
+        let m = self.machine;
+        let reading =
+            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
+        let mut fires = vec![Lit::FALSE; m.transitions.len()];
+        // For each state, whether it is active and a transition further out takes it away or a
+        // transition of its own region leaves it: either way nothing inside it moves.
+        let mut moved = vec![Lit::FALSE; m.states.len()];
+        for (id, region) in m.regions.iter() {
+            let barred = region.parent.map_or(Lit::FALSE, |p| moved[p.index()]);
+            // Of two transitions only those out of the same state of the region can be enabled
+            // together, so each state has its own order.
+            let mut tried = vec![Lit::FALSE; region.states.len()];
+            let place: HashMap<StateId, usize> = region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
+            for &t in &self.scoped[id.index()] {
+                let transition = &m.transitions[t];
+                let child = m.child_in(id, transition.source).expect("the scope holds the source");
+                let tried = &mut tried[place[&child]];
+                let guard = reading.guard(aig, &transition.guard);
+                let enabled = aig.and(before.active[transition.source.index()], guard);
+                let first = aig.and(enabled, !*tried);
+                fires[t.index()] = aig.and(first, !barred);
+                *tried = aig.or(*tried, enabled);
+            }
+            for (&s, &tried) in region.states.iter().zip(&tried) {
+                moved[s.index()] = aig.or(barred, tried);
+            }
+        }
+        fires
+    }
+
+    /// Which states are active after the transitions that fire, and which of them have been entered;
+    /// with `start` the outermost regions are.
+    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> (Vec<Lit>, Vec<Lit>) {
+        let m = self.machine;
+        // For each state, who leaves it as a state of the transition's scope, and who names it on the
+        // way down to the target.
+        let mut leave = vec![Vec::new(); m.states.len()];
+        let mut name = vec![Vec::new(); m.states.len()];
+        for (id, t) in m.transitions.iter() {
+            let fires = fires[id.index()];
+            if fires == Lit::FALSE {
+                continue;
+            }
+            leave[m.child_in(t.scope, t.source).expect("the scope holds the source").index()].push(fires);
+            for s in m.ancestors(t.target) {
+                name[s.index()].push(fires);
+                if m.states[s].region == t.scope {
+                    break;
+                }
+            }
+        }
+        let mut left = vec![Lit::FALSE; m.states.len()];
+        let mut entered = vec![Lit::FALSE; m.states.len()];
+        let mut active = vec![Lit::FALSE; m.states.len()];
+        for (_, region) in m.regions.iter() {
+            let (gone, come) = match region.parent {
+                Some(p) => (left[p.index()], entered[p.index()]),
+                None => (Lit::FALSE, start),
+            };
+            let named: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
+            let some_named = aig.any(&named);
+            let by_default = aig.and(come, !some_named);
+            for (&s, &named) in region.states.iter().zip(&named) {
+                let i = s.index();
+                let own = aig.any(&leave[i]);
+                left[i] = aig.or(gone, own);
+                entered[i] = if s == region.initial { aig.or(named, by_default) } else { named };
+                let stays = aig.and(before[i], !left[i]);
+                active[i] = aig.or(stays, entered[i]);
+            }
+        }
+        (active, entered)
+    }
+
+    /// Everything after the transitions.
+    fn rest(
+        &self,
+        aig: &mut Aig,
+        before: &ChartState,
+        inputs: &[Lit],
+        fires: Vec<Lit>,
+        elapsed: &[Lit],
+        start: Lit,
+    ) -> ChartScan {
+        let m = self.machine;
+        let (active, entered) = self.configuration(aig, &before.active, &fires, start);
+        let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
+        for (id, t) in m.transitions.iter() {
+            for &(v, value) in &t.effects {
+                writes[v.index()][usize::from(value)].push(fires[id.index()]);
+            }
+        }
+        let variables = write(aig, &before.variables, &writes);
+
+        let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
+        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        for (id, state) in m.states.iter() {
+            for action in &state.actions {
+                let condition = reading.guard(aig, &action.condition);
+                let acts = aig.and(active[id.index()], condition);
+                writes[action.variable.index()][usize::from(action.value)].push(acts);
+            }
+        }
+        let variables = write(aig, &variables, &writes);
+
+        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        let mut drives = vec![Vec::new(); m.outputs.len()];
+        for (id, state) in m.states.iter() {
+            for drive in &state.drives {
+                let condition = reading.guard(aig, &drive.condition);
+                drives[drive.output.index()].push(aig.and(active[id.index()], condition));
+            }
+        }
+        let commands: Vec<Lit> = drives.iter().map(|d| aig.any(d)).collect();
+
+        let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
+        let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
+        let filtered = chart_filter::filter(aig, m, &commands, &mut read, self.rounds);
+        let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
+        for ((s, _), &i) in &self.timers {
+            fresh.push(entered[s.index()]);
+            let stays = aig.and(active[s.index()], !entered[s.index()]);
+            past.push(aig.and(stays, elapsed[i]));
+            begins.push(aig.and(before.active[s.index()], before.fresh[i]));
+        }
+        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+    }
+}
+
+/// First all that set, then all that reset; `writes` holds for each variable who resets and who sets it.
+fn write(aig: &mut Aig, before: &[Lit], writes: &[[Vec<Lit>; 2]]) -> Vec<Lit> {
+    let each = before.iter().zip(writes);
+    each.map(|(&before, [reset, set])| {
+        let (reset, set) = (aig.any(reset), aig.any(set));
+        let on = aig.or(before, set);
+        aig.and(on, !reset)
+    })
+    .collect()
+}
+
+/// Where an expression is read: before or after the step.
+struct Reading<'a> {
+    step: &'a ChartStep<'a>,
+    active: &'a [Lit],
+    variables: &'a [Lit],
+    inputs: &'a [Lit],
+    before: &'a ChartState,
+    elapsed: &'a [Lit],
+}
+
+impl Reading<'_> {
+    fn guard(&self, aig: &mut Aig, guard: &Guard) -> Lit {
+        aig.expression(guard, &mut |aig, &atom| self.atom(aig, atom))
+    }
+
+    fn atom(&self, aig: &mut Aig, atom: Atom) -> Lit {
+        match atom {
+            Atom::Input(i) => self.inputs[i.index()],
+            Atom::PrevInput(i) => self.before.inputs[i.index()],
+            Atom::Output(_) => unreachable!("outputs of this scan stand in constraints only"),
+            Atom::PrevOutput(o) => self.before.outputs[o.index()],
+            Atom::Variable(v) => self.variables[v.index()],
+            Atom::In(s) => self.active[s.index()],
+            Atom::After(s, ms) => self.elapsed[self.step.timers[&(s, ms)]],
+            Atom::Done(s) => {
+                let regions: Vec<Lit> =
+                    self.step.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
+                aig.all(&regions)
+            }
+        }
+    }
+
+    fn ended(&self, aig: &mut Aig, region: RegionId) -> Lit {
+        let machine = self.step.machine;
+        let states = machine.regions[region].states.iter();
+        let last = states.filter(|&&s| machine.states[s].kind == StateKind::Final);
+        let last: Vec<Lit> = last.map(|s| self.active[s.index()]).collect();
+        aig.any(&last)
+    }
+}

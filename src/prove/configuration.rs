@@ -1,0 +1,73 @@
+//! Every configuration that a chart can be in, and nothing else, as functions of free bits.
+//!
+//! In each region whose parent is active exactly one state is active, in each other none. Instead of
+//! asking a solver to keep to that, the states are decoded from free bits: a region of n states is a
+//! tree with n leaves, each fork of which is decided by one bit, below the literal of its parent. Every
+//! assignment of the bits is a configuration, and every configuration is some assignment.
+//!
+//! That the chart's own step never leaves these configurations is proved like everything else
+//! ([`broken`]).
+
+use super::aig::{Aig, Lit};
+use super::chart_step::ChartState;
+use crate::ir::chart::{Machine, RegionId, StateId};
+
+/// A state of memory about which nothing is known but that its configuration is one, and that no time
+/// has passed in a state that has just been entered.
+pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (StateId, u32)>) -> ChartState {
+    let mut active = vec![Lit::FALSE; machine.states.len()];
+    for (id, region) in machine.regions.iter() {
+        let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
+        let path = machine.region_path(id);
+        let mut bits = Vec::new();
+        decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
+    }
+    let (mut fresh, mut past) = (Vec::new(), Vec::new());
+    for (s, ms) in timers {
+        let path = machine.state_path(s);
+        fresh.push(aig.leaf(format!("{path} is fresh")));
+        let passed = aig.leaf(format!("{path} lasts {ms} ms"));
+        past.push(aig.and(passed, !fresh[fresh.len() - 1]));
+    }
+    ChartState {
+        active,
+        fresh,
+        past,
+        variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
+        inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
+        outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
+    }
+}
+
+fn decode(
+    aig: &mut Aig,
+    states: &[StateId],
+    under: Lit,
+    (depth, bits): (usize, &mut Vec<Lit>),
+    path: &str,
+    active: &mut [Lit],
+) {
+    if let [state] = states {
+        active[state.index()] = under;
+        return;
+    }
+    if depth == bits.len() {
+        bits.push(aig.leaf(format!("{path}#{depth}")));
+    }
+    let (left, right) = states.split_at(states.len() / 2);
+    let (no, yes) = (aig.and(under, !bits[depth]), aig.and(under, bits[depth]));
+    decode(aig, left, no, (depth + 1, bits), path, active);
+    decode(aig, right, yes, (depth + 1, bits), path, active);
+}
+
+/// Whether something is wrong with the region in the configuration `active`: two of its states are
+/// active, or one while its parent is not, or none while its parent is.
+pub fn broken(aig: &mut Aig, machine: &Machine, region: RegionId, active: &[Lit]) -> Lit {
+    let region = &machine.regions[region];
+    let states: Vec<Lit> = region.states.iter().map(|s| active[s.index()]).collect();
+    let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
+    let some = aig.any(&states);
+    let differs = aig.xor(some, parent);
+    let two = aig.two_or_more(&states);
+    aig.or(differs, two)
+}

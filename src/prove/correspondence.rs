@@ -1,0 +1,102 @@
+//! Which name in a PLC project stands for what in a machine.
+//!
+//! The names come from the project that the compiler has made, because it knows them; the program
+//! that is examined is another thing, read from a file. So nothing here is assumed to be true of that
+//! program: that the variable of this name does hold what the machine says is what is to be proved.
+
+use crate::base::Span;
+use crate::ir::chart::{Machine, StateId};
+use crate::ir::plc::{Body, Project, Role};
+use std::collections::BTreeMap;
+
+/// The names that stand for the parts of a machine, each list in the order of the machine's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Correspondence {
+    /// The global for each input.
+    pub inputs: Vec<String>,
+    /// The global for each output.
+    pub outputs: Vec<String>,
+    /// The global for each variable.
+    pub variables: Vec<String>,
+    /// The global for each state that is TRUE while it is active.
+    pub flags: Vec<String>,
+    /// For each state, the program that holds its step, and the step; nothing where no step of its own
+    /// stands for it.
+    pub steps: Vec<Option<(String, String)>>,
+    /// The global for each output's command.
+    pub commands: Vec<Option<String>>,
+    /// The global for each constraint that is TRUE when it had to act.
+    pub acted: Vec<Option<String>>,
+    /// The global for each assumption that is TRUE when the plant breaks it.
+    pub broken: Vec<Option<String>>,
+    /// For each state and time in milliseconds that a guard waits for, the program that holds its timer,
+    /// and the timer.
+    pub timers: BTreeMap<(StateId, u32), (String, String)>,
+}
+
+impl Correspondence {
+    /// The names that `project` gives to the parts of `machine`, from which it was made. Where it has
+    /// no name for an input, output, variable or state, their own names stand.
+    pub fn of(machine: &Machine, project: &Project) -> Correspondence {
+        let mut names: BTreeMap<(u8, Span), &str> = BTreeMap::new();
+        for global in project.globals.values() {
+            if let Some(span) = global.origin.span {
+                names.entry((rank(global.role), span)).or_insert(&global.name);
+            }
+        }
+        let find = |role: Role, span: Span| names.get(&(rank(role), span)).map(|n| n.to_string());
+        let or_own = |role: Role, span: Span, own: &str| find(role, span).unwrap_or_else(|| own.to_owned());
+
+        let by_span: BTreeMap<Span, StateId> = machine.states.iter().map(|(id, s)| (s.span, id)).collect();
+        let mut timers = BTreeMap::new();
+        let mut step_of: BTreeMap<&str, (String, String)> = BTreeMap::new();
+        for program in &project.programs {
+            match &program.body {
+                Body::Sfc(sfc) => {
+                    for step in sfc.steps.values() {
+                        if let Some(flag) = step.flag {
+                            let place = (program.name.clone(), step.name.clone());
+                            step_of.insert(&project.globals[flag].name, place);
+                        }
+                    }
+                }
+                Body::Ladder(ladder) => {
+                    for rung in &ladder.rungs {
+                        let state = rung.origin.span.and_then(|span| by_span.get(&span));
+                        if let (Some(timer), Some(&state)) = (&rung.timer, state) {
+                            let place = (program.name.clone(), timer.instance.clone());
+                            timers.insert((state, timer.preset), place);
+                        }
+                    }
+                }
+            }
+        }
+        let flags: Vec<String> =
+            machine.states.iter().map(|(id, s)| or_own(Role::StepFlag, s.span, &machine.state_path(id))).collect();
+        Correspondence {
+            inputs: machine.inputs.values().map(|i| or_own(Role::Input, i.span, &i.name)).collect(),
+            outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
+            variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
+            steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
+            flags,
+            commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
+            acted: machine.safety.constraints.values().map(|c| find(Role::Alarm, c.span)).collect(),
+            broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),
+            timers,
+        }
+    }
+}
+
+/// Roles have no order of their own.
+fn rank(role: Role) -> u8 {
+    match role {
+        Role::Input => 0,
+        Role::Output => 1,
+        Role::Variable => 2,
+        Role::StepFlag => 3,
+        Role::Condition => 4,
+        Role::Command => 5,
+        Role::Filter => 6,
+        Role::Alarm => 7,
+    }
+}

@@ -1,0 +1,234 @@
+//! Whether one scan of a program is one scan of a chart, for all inputs and from everything that can
+//! be reached.
+//!
+//! # What is proved
+//!
+//! After every scan, whatever the inputs have been since power-up: the flag and the step of each state
+//! are what the chart says of it, and so are each output, each variable, each command, the flag of each
+//! constraint and of each assumption. In short, every [`Part`] that the program has something for.
+//!
+//! # How
+//!
+//! By induction over scans, under these invariants, each of which is proved along with the rest and
+//! none assumed:
+//!
+//! - in each region exactly one state is active, or none if its parent is not;
+//! - the idle step of each SFC is active exactly while the region's parent is not;
+//! - what else the program remembers and reads again holds what [`induction::guess`] has found for it:
+//!   an input of the last scan, that the first scan is over, and the like;
+//! - the filter is at rest after the number of rounds that the chart's side is given
+//!   ([`chart_filter::rounds`]), and the products of a constraint say the same as its expression.
+
+use super::chart_filter;
+use super::chart_step::ChartStep;
+use super::correspondence::Correspondence;
+use super::induction::{self, Claim, Count, Failure, Situation};
+use super::joint::Joint;
+use super::matching::{Match, Pair};
+use super::program_step::ProgramStep;
+use super::sat::{self, Sat};
+use super::search::{self, search};
+use super::trace::Trace;
+use crate::ir::chart::Machine;
+use crate::ir::iec::Project;
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// How many scans back the induction looks before it gives up.
+const HISTORY: usize = 2;
+
+/// What came of the proof.
+#[derive(Clone, Debug)]
+pub enum Verdict {
+    /// The program does what the chart says.
+    Proved(Statistics),
+    /// It does not, and this run shows it.
+    Refuted(Box<Trace>),
+    /// It is neither proved nor refuted.
+    Unknown(Box<Doubt>),
+}
+
+/// How a proof was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// States of the chart.
+    pub states: usize,
+    /// What the program remembers from scan to scan.
+    pub latches: usize,
+    /// Latches whose meaning is known by construction or was found.
+    pub meanings: usize,
+    /// How many scans back the induction had to look: 0 unless the program is written unusually.
+    pub history: usize,
+    /// Rounds after which the filter was proved to be at rest.
+    pub rounds: usize,
+    /// Claims about the first scan.
+    pub base: Count,
+    /// Claims about later scans.
+    pub step: Count,
+    /// What the solver was asked.
+    pub effort: sat::Effort,
+}
+
+/// Why there is no answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// Program and machine cannot be compared; says why.
+    Incomparable(String),
+    /// From a situation that may or may not be reachable, the two differ. No run that leads to it or to
+    /// another difference was found.
+    NotInductive {
+        /// What differs, and from where, in words.
+        text: String,
+        /// How many claims failed.
+        failed: usize,
+    },
+    /// The solver gave up on some claims, and nothing else speaks against them.
+    GaveUp {
+        /// The first of them, in words.
+        text: String,
+        /// How many.
+        failed: usize,
+    },
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::Incomparable(why) => f.write_str(why),
+            Doubt::NotInductive { text, .. } | Doubt::GaveUp { text, .. } => f.write_str(text),
+        }
+    }
+}
+
+/// Decides whether `program` does what `machine` says; `names` says where to look.
+pub fn equivalence(machine: &Machine, names: &Correspondence, program: &Project) -> Verdict {
+    equivalence_within(machine, names, program, search::Effort::USUAL)
+}
+
+/// The same, with so much effort for finding a run if the proof fails.
+pub fn equivalence_within(
+    machine: &Machine,
+    names: &Correspondence,
+    program: &Project,
+    effort: search::Effort,
+) -> Verdict {
+    match attempt(machine, names, program, effort) {
+        Ok(verdict) => verdict,
+        Err(why) => Verdict::Unknown(Box::new(Doubt::Incomparable(why))),
+    }
+}
+
+fn attempt(
+    machine: &Machine,
+    names: &Correspondence,
+    project: &Project,
+    effort: search::Effort,
+) -> Result<Verdict, String> {
+    let mut sat = Sat::new();
+    chart_filter::products_say_what_is_written(machine, &mut sat)?;
+    let rounds = chart_filter::rounds(machine, &mut sat).ok_or("the rounds of the filter could not be counted")?;
+    let chart = ChartStep::new(machine, rounds);
+    let program = ProgramStep::new(project)?;
+    let pair = Pair { machine, chart: &chart, program: &program };
+    let mut matched = Match::of(pair, names, project)?;
+    let mut hopeless = BTreeSet::new();
+    let mut joint = None;
+
+    let mut history = 0;
+    let mut failures = loop {
+        while induction::guess(pair, &mut matched, &hopeless) > 0 {}
+        let (base, mut failures) = induction::base(pair, &matched, history + 1, &mut sat);
+        if failures.is_empty() {
+            let (step, later) = induction::step(pair, &matched, history, &mut sat);
+            failures = later;
+            if failures.is_empty() && matched.missing.is_empty() {
+                let meanings = matched.meanings.iter().flatten().count();
+                let (states, latches) = (machine.states.len(), program.latches().len());
+                let effort = sat.effort();
+                return Ok(Verdict::Proved(Statistics {
+                    states,
+                    latches,
+                    meanings,
+                    rounds,
+                    history,
+                    base,
+                    step,
+                    effort,
+                }));
+            }
+        }
+        // Before more is asked of the proof: is it wrong? Most errors show soon.
+        if joint.is_none() {
+            let both = Joint::new(pair, &matched);
+            if let Some(stimuli) = search(&both, &mut sat, search::Effort::FIRST) {
+                return Ok(Verdict::Refuted(Box::new(Trace::of(pair, &matched, &both, &stimuli))));
+            }
+            joint = Some(both);
+        }
+        if !matched.missing.is_empty() {
+            break failures;
+        }
+        // A wrong guess says nothing about the program.
+        let wrong: Vec<usize> = failures.iter().filter_map(|f| f.claim.guess(&matched)).collect();
+        if !wrong.is_empty() {
+            for latch in wrong {
+                matched.meanings[latch] = None;
+                matched.guessed[latch] = false;
+                hopeless.insert(latch);
+            }
+        } else if history < HISTORY {
+            history += 1;
+        } else {
+            break failures;
+        }
+    };
+    if let Some(both) = &joint
+        && let Some(stimuli) = search(both, &mut sat, effort)
+    {
+        return Ok(Verdict::Refuted(Box::new(Trace::of(pair, &matched, both, &stimuli))));
+    }
+    if let Some(missing) = matched.missing.into_iter().next() {
+        return Err(missing);
+    }
+    // Those that the solver gave up on say less.
+    failures.sort_by_key(|f| f.from.is_none());
+    Ok(Verdict::Unknown(Box::new(doubt(machine, &program, &failures))))
+}
+
+fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> Doubt {
+    let says = |claim: Claim| match claim {
+        Claim::Configuration(region) => {
+            format!("that region {} has one active state", machine.region_path(region))
+        }
+        Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
+        Claim::Part(part, latch) => {
+            format!("that {} is {}", program.name(program.latches()[latch]), part.describe(machine))
+        }
+        Claim::Memory(meaning, latch) => {
+            format!("that {} is {}", program.name(program.latches()[latch]), meaning.describe(machine))
+        }
+    };
+    let first = &failures[0];
+    match &first.from {
+        Some(from) => Doubt::NotInductive {
+            text: format!("not inductive: {} fails from {}", says(first.claim), describe(machine, from)),
+            failed: failures.len(),
+        },
+        None => Doubt::GaveUp { text: format!("the solver gave up on {}", says(first.claim)), failed: failures.len() },
+    }
+}
+
+/// A situation in words: innermost active states, then what else is TRUE.
+fn describe(machine: &Machine, s: &Situation) -> String {
+    let innermost = machine.states.iter().filter(|(id, state)| s.active[id.index()] && state.regions.is_empty());
+    let mut parts: Vec<String> = innermost.map(|(id, _)| format!("in({})", machine.state_path(id))).collect();
+    let mut add = |prefix: &str, values: &[bool], names: Vec<&String>, suffix: &str| {
+        let named = values.iter().zip(names).filter(|(v, _)| **v);
+        parts.extend(named.map(|(_, n)| format!("{prefix}{n}{suffix}")));
+    };
+    add("", &s.variables, machine.variables.values().map(|v| &v.name).collect(), "");
+    add("prev(", &s.previous, machine.inputs.values().map(|i| &i.name).collect(), ")");
+    add("prev(", &s.outputs, machine.outputs.values().map(|o| &o.name).collect(), ")");
+    add("", &s.inputs, machine.inputs.values().map(|i| &i.name).collect(), "");
+    parts.join(", ")
+}

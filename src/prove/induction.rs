@@ -1,0 +1,424 @@
+//! The two halves of an induction over scans: that a program and a chart agree after the first scan,
+//! and that if they agree before a scan they agree after it.
+//!
+//! Both sides are encoded into one graph. What the program remembers is not a second set of free bits
+//! but the chart's literal itself, through its [`Meaning`]; so the correspondence is the induction
+//! hypothesis, and what has equal structure on both sides is equal at once. The rest is proved piece by
+//! piece in the order in which the program computes it, and each piece that is proved is replaced by
+//! the chart's literal, so that no later question has to prove it again.
+
+use super::aig::{Aig, Lit, lanes};
+use super::chart_step::{ChartScan, ChartState};
+use super::configuration;
+use super::matching::{Match, Pair};
+use super::parts::{Meaning, Part};
+use super::program_step::{ProgramState, ProgramStep};
+use super::random::Random;
+use super::sat::{Answer, Budget, Model, Sat};
+use crate::ir::chart::RegionId;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// How many words of 64 random assignments are tried before a solver is asked.
+const WORDS: usize = 4;
+
+/// What has to be shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Claim {
+    /// After the scan, in this region exactly one state is active, or none if its parent is not.
+    Configuration(RegionId),
+    /// After the scan, the state of this timer has not both been entered and lasted for its time.
+    Clock(usize),
+    /// After the scan, the latch holds this part.
+    Part(Part, usize),
+    /// After the scan, the latch holds this for the next one.
+    Memory(Meaning, usize),
+}
+
+/// A claim that could not be shown.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Which.
+    pub claim: Claim,
+    /// From where it fails, if that is known: the state of memory before the scan and its inputs.
+    pub from: Option<Situation>,
+}
+
+/// Memory of the chart and inputs, with values.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Situation {
+    /// For each state, whether it is active.
+    pub active: Vec<bool>,
+    /// For each variable, its value.
+    pub variables: Vec<bool>,
+    /// For each input, its value in the last scan.
+    pub previous: Vec<bool>,
+    /// For each output, its value in the last scan.
+    pub outputs: Vec<bool>,
+    /// For each input, its value in this scan.
+    pub inputs: Vec<bool>,
+}
+
+/// How claims were shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// All claims.
+    pub claims: usize,
+    /// Those where both sides are one node of the graph, or have been compared before.
+    pub by_structure: usize,
+    /// Those that a solver was asked about.
+    pub by_solver: usize,
+    /// Nodes of the graph.
+    pub nodes: usize,
+}
+
+/// Chart and program before a scan, and the chart after it, in one graph.
+struct Both<'a> {
+    pair: Pair<'a>,
+    aig: Aig,
+    before: ChartState,
+    inputs: Vec<Lit>,
+    clocks: Vec<Lit>,
+    chart: ChartScan,
+    program: ProgramState,
+    /// What has been assumed on the way here.
+    given: Lit,
+}
+
+/// The first `scans` scans: everything is what it is at power-up.
+pub fn base(pair: Pair<'_>, matched: &Match, scans: usize, sat: &mut Sat) -> (Count, Vec<Failure>) {
+    let mut both = Both::power_up(pair);
+    let mut compare = Compare::new(sat);
+    let mut failures = Vec::new();
+    for scan in 1..=scans {
+        let (state, found) = both.examine(matched, &mut compare);
+        failures.extend(found);
+        if scan < scans {
+            both = both.next(state);
+        }
+    }
+    compare.count.nodes = both.aig.len();
+    (compare.count, failures)
+}
+
+/// Any later scan, from every configuration and every value of all that is remembered, if the claims
+/// have held in as many scans before it as `history` says.
+pub fn step(pair: Pair<'_>, matched: &Match, history: usize, sat: &mut Sat) -> (Count, Vec<Failure>) {
+    let mut both = Both::anywhere(pair, matched);
+    for _ in 0..history {
+        let state = both.presume(matched);
+        both = both.next(state);
+    }
+    let mut compare = Compare::new(sat);
+    let (_, failures) = both.examine(matched, &mut compare);
+    compare.count.nodes = both.aig.len();
+    (compare.count, failures)
+}
+
+/// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
+/// known by construction; returns how many were found. What is found is a guess and becomes a claim.
+/// Latches that `hopeless` names are left alone.
+pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) -> usize {
+    let mut both = Both::anywhere(pair, matched);
+    let before = both.program.clone();
+    let after = both.run(matched, &mut |_, _, _| {});
+    let claimed: Vec<Lit> = claims(pair.program, matched).iter().map(|c| after[c.latch()]).collect();
+    let unknown: BTreeMap<usize, usize> = (0..matched.meanings.len())
+        .filter(|l| matched.meanings[*l].is_none() && !hopeless.contains(l))
+        .map(|l| (before[l].node(), l))
+        .collect();
+    let mut matter: Vec<usize> = both.aig.cone(&claimed).into_iter().filter_map(|n| unknown.get(&n).copied()).collect();
+    matter.sort_unstable();
+
+    let mut by_structure: HashMap<Lit, Meaning> = HashMap::new();
+    let mut by_values: HashMap<[u64; WORDS], Meaning> = HashMap::new();
+    let samples = samples(&both.aig);
+    for meaning in Meaning::all(pair.machine) {
+        for meaning in [meaning, meaning.opposite()] {
+            let lit = meaning.of(&both.chart.after);
+            by_structure.entry(lit).or_insert(meaning);
+            by_values.entry(signature(&samples, lit)).or_insert(meaning);
+        }
+    }
+    let mut found = 0;
+    for latch in matter {
+        let lit = after[latch];
+        let signature = signature(&samples, lit);
+        let meaning = match lit.constant() {
+            Some(value) => Some(Meaning::Constant(value)),
+            // Values that never change say nothing: what they would hint at happens too rarely.
+            None => by_structure
+                .get(&lit)
+                .or_else(|| by_values.get(&signature).filter(|_| !signature.iter().all(|w| *w == 0 || *w == u64::MAX)))
+                .copied(),
+        };
+        found += usize::from(meaning.is_some());
+        matched.guessed[latch] = meaning.is_some();
+        matched.meanings[latch] = meaning;
+    }
+    found
+}
+
+impl Claim {
+    /// The latch that it is about.
+    fn latch(&self) -> usize {
+        match self {
+            Claim::Part(_, latch) | Claim::Memory(_, latch) => *latch,
+            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+        }
+    }
+
+    /// The latch, if the claim is only a guess about it.
+    pub fn guess(&self, matched: &Match) -> Option<usize> {
+        match self {
+            Claim::Memory(_, latch) if matched.guessed[*latch] => Some(*latch),
+            Claim::Memory(..) | Claim::Part(..) | Claim::Configuration(_) | Claim::Clock(_) => None,
+        }
+    }
+
+    /// What the latch should hold, and when.
+    fn expects(&self, chart: &ChartScan) -> (Lit, Lit) {
+        match self {
+            Claim::Part(part, _) => (part.after(chart), Lit::TRUE),
+            Claim::Memory(meaning, _) => (meaning.of(&chart.after), meaning.matters(&chart.after)),
+            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+        }
+    }
+}
+
+/// All claims about latches, each latch's own first.
+fn claims(program: &ProgramStep<'_>, matched: &Match) -> Vec<Claim> {
+    let mut claims: Vec<Claim> = matched.parts.iter().map(|&(part, latch)| Claim::Part(part, latch)).collect();
+    // Said already by the claim about the part.
+    let said: BTreeMap<usize, Meaning> =
+        matched.parts.iter().filter_map(|&(part, latch)| Some((latch, part.remembered()?))).collect();
+    let written = program.written();
+    for (latch, meaning) in matched.meanings.iter().enumerate() {
+        let Some(meaning) = *meaning else { continue };
+        // What is not written holds what it held.
+        let constant = matches!(meaning, Meaning::Constant(_)) && !written[latch];
+        if !constant && said.get(&latch) != Some(&meaning) {
+            claims.push(Claim::Memory(meaning, latch));
+        }
+    }
+    claims
+}
+
+impl<'a> Both<'a> {
+    fn power_up(pair: Pair<'a>) -> Both<'a> {
+        let mut aig = Aig::new();
+        let inputs = leaves(&mut aig, pair);
+        let chart = pair.chart.first(&mut aig, &inputs);
+        let none = |n: usize| vec![Lit::FALSE; n];
+        let timers = pair.chart.timers().len();
+        let before = ChartState {
+            active: none(pair.machine.states.len()),
+            variables: pair.machine.variables.values().map(|v| Lit::of(v.initial)).collect(),
+            inputs: inputs.clone(),
+            outputs: none(pair.machine.outputs.len()),
+            fresh: none(timers),
+            past: none(timers),
+        };
+        let program = pair.program.power_up();
+        Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }
+    }
+
+    fn anywhere(pair: Pair<'a>, matched: &Match) -> Both<'a> {
+        let mut aig = Aig::new();
+        let before = configuration::any(&mut aig, pair.machine, pair.chart.timers());
+        let mut program = Vec::new();
+        for (&latch, meaning) in pair.program.latches().iter().zip(&matched.meanings) {
+            let value = meaning.map_or((Lit::FALSE, Lit::FALSE), |m| (m.of(&before), m.matters(&before)));
+            program.push(match value {
+                (value, Lit::TRUE) => value,
+                (value, matters) => {
+                    let anything = aig.leaf(pair.program.name(latch));
+                    aig.select(matters, value, anything)
+                }
+            });
+        }
+        Both::before(pair, aig, before, program, Lit::TRUE)
+    }
+
+    /// A later scan from what is remembered.
+    fn before(pair: Pair<'a>, mut aig: Aig, before: ChartState, program: ProgramState, given: Lit) -> Both<'a> {
+        let inputs = leaves(&mut aig, pair);
+        let clock = |(s, ms)| aig.leaf(format!("{} for {ms} ms", pair.machine.state_path(s)));
+        let clocks: Vec<Lit> = pair.chart.timers().map(clock).collect();
+        let chart = pair.chart.scan(&mut aig, &before, &inputs, &clocks);
+        Both { pair, aig, before, inputs, clocks, chart, program, given }
+    }
+
+    /// The scan after this one.
+    fn next(self, program: ProgramState) -> Both<'a> {
+        Both::before(self.pair, self.aig, self.chart.after, program, self.given)
+    }
+
+    /// Runs the program's scan.
+    fn run(&mut self, matched: &Match, after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState)) -> ProgramState {
+        let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(self.inputs.iter().copied()).collect();
+        // A timer of which nothing is known may end whenever it likes. One that measures a time of the
+        // chart ends when that does: they start together, which is among the claims.
+        let mut clocks = Vec::new();
+        for (timer, preset) in matched.timers.iter().zip(self.pair.program.presets()) {
+            clocks.push(match (timer, preset) {
+                (Some(timer), _) => self.clocks[timer.index],
+                (None, Some(_)) => self.aig.leaf("a timer"),
+                (None, None) => Lit::FALSE,
+            });
+        }
+        self.pair.program.scan(&mut self.aig, &self.program, &inputs, &clocks, after)
+    }
+
+    /// Assumes all claims and returns what the program remembers then.
+    fn presume(&mut self, matched: &Match) -> ProgramState {
+        let mut state = self.run(matched, &mut |_, _, _| {});
+        for claim in claims(self.pair.program, matched) {
+            let (expected, matters) = claim.expects(&self.chart);
+            let found = state[claim.latch()];
+            let equal = self.aig.equal(found, expected);
+            let holds = self.aig.or(equal, !matters);
+            self.given = self.aig.and(self.given, holds);
+            state[claim.latch()] = self.aig.select(matters, expected, found);
+        }
+        state
+    }
+
+    /// Examines all claims; returns what the program remembers if they hold, and those that do not.
+    fn examine(&mut self, matched: &Match, compare: &mut Compare<'_>) -> (ProgramState, Vec<Failure>) {
+        let mut failures = Vec::new();
+        for region in self.pair.machine.regions.ids() {
+            let broken = configuration::broken(&mut self.aig, self.pair.machine, region, &self.chart.after.active);
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, broken, Lit::FALSE, self.given) {
+                failures.push((Claim::Configuration(region), model));
+            }
+        }
+        for index in 0..self.clocks.len() {
+            let fresh = self.aig.and(self.chart.after.fresh[index], self.given);
+            let past = self.chart.after.past[index];
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, past, Lit::FALSE, fresh) {
+                failures.push((Claim::Clock(index), model));
+            }
+        }
+        // Each claim is examined when the last program that writes its latch has run.
+        let last = self.pair.program.last_writers();
+        let mut due: Vec<Vec<Claim>> = vec![Vec::new(); last.iter().flatten().max().map_or(0, |p| p + 1)];
+        let mut unwritten = Vec::new();
+        for claim in claims(self.pair.program, matched) {
+            match last[claim.latch()] {
+                Some(p) => due[p].push(claim),
+                None => unwritten.push(claim),
+            }
+        }
+        let (chart, given) = (self.chart.clone(), self.given);
+        let mut settle = |aig: &mut Aig, claims: &[Claim], state: &mut ProgramState| {
+            for &claim in claims {
+                let (expected, matters) = claim.expects(&chart);
+                let assumed = aig.and(given, matters);
+                match compare.same(aig, state[claim.latch()], expected, assumed) {
+                    Outcome::Same if matters == Lit::TRUE => state[claim.latch()] = expected,
+                    Outcome::Same => {}
+                    Outcome::Differs(model) => failures.push((claim, model)),
+                }
+            }
+        };
+        let mut state = self.run(matched, &mut |aig, p, state| {
+            if let Some(claims) = due.get(p) {
+                settle(aig, claims, state);
+            }
+        });
+        settle(&mut self.aig, &unwritten, &mut state);
+        let failures = failures.into_iter().map(|(claim, model)| Failure { claim, from: model.map(|m| self.read(&m)) });
+        (state, failures.collect())
+    }
+
+    fn read(&self, model: &Model) -> Situation {
+        let values = model.evaluate(&self.aig);
+        let read = |lits: &[Lit]| lits.iter().map(|&l| lanes(&values, l) & 1 == 1).collect();
+        Situation {
+            active: read(&self.before.active),
+            variables: read(&self.before.variables),
+            previous: read(&self.before.inputs),
+            outputs: read(&self.before.outputs),
+            inputs: read(&self.inputs),
+        }
+    }
+}
+
+fn leaves(aig: &mut Aig, pair: Pair<'_>) -> Vec<Lit> {
+    pair.machine.inputs.values().map(|i| aig.leaf(&i.name)).collect()
+}
+
+/// What came of a comparison; a difference without a model means that the solver gave up.
+enum Outcome {
+    Same,
+    Differs(Option<Model>),
+}
+
+/// Compares literals of one growing graph: by structure, by random values, by a solver.
+struct Compare<'s> {
+    sat: &'s mut Sat,
+    random: Random,
+    leaves: Vec<Vec<u64>>,
+    samples: Vec<Vec<u64>>,
+    /// What has been proved: a step and its flag are two claims about one literal.
+    proved: HashSet<(Lit, Lit)>,
+    count: Count,
+}
+
+impl<'s> Compare<'s> {
+    fn new(sat: &'s mut Sat) -> Self {
+        let empty = || vec![Vec::new(); WORDS];
+        let count = Count::default();
+        Compare { sat, random: Random::new(1), leaves: empty(), samples: empty(), proved: HashSet::new(), count }
+    }
+
+    /// Whether `a` and `b` are the same wherever `given` holds.
+    fn same(&mut self, aig: &mut Aig, a: Lit, b: Lit, given: Lit) -> Outcome {
+        self.count.claims += 1;
+        if a == b || given == Lit::FALSE || self.proved.contains(&(a, b)) {
+            self.count.by_structure += 1;
+            return Outcome::Same;
+        }
+        let differ = aig.xor(a, b);
+        let differ = aig.and(differ, given);
+        for (leaves, values) in self.leaves.iter_mut().zip(&mut self.samples) {
+            while leaves.len() < aig.leaves().len() {
+                leaves.push(self.random.next());
+            }
+            aig.simulate(leaves, values);
+            let word = lanes(values, differ);
+            if word != 0 {
+                let lane = word.trailing_zeros();
+                let bits = leaves.iter().enumerate().map(|(i, w)| (i as u32, w >> lane & 1 == 1));
+                return Outcome::Differs(Some(bits.collect()));
+            }
+        }
+        self.count.by_solver += 1;
+        self.sat.forget();
+        match self.sat.ask(aig, &[differ], Budget::PROOF) {
+            Answer::Never => {
+                if given == Lit::TRUE {
+                    self.proved.insert((a, b));
+                }
+                Outcome::Same
+            }
+            Answer::Sometimes(model) => Outcome::Differs(Some(model)),
+            Answer::GaveUp => Outcome::Differs(None),
+        }
+    }
+}
+
+fn samples(aig: &Aig) -> Vec<Vec<u64>> {
+    let mut random = Random::new(2);
+    let word = |_| {
+        let leaves: Vec<u64> = aig.leaves().map(|_| random.next()).collect();
+        let mut values = Vec::new();
+        aig.simulate(&leaves, &mut values);
+        values
+    };
+    (0..WORDS).map(word).collect()
+}
+
+fn signature(samples: &[Vec<u64>], l: Lit) -> [u64; WORDS] {
+    std::array::from_fn(|i| lanes(&samples[i], l))
+}

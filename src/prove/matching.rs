@@ -1,0 +1,199 @@
+//! Names to the latches of one program, and what those are believed to hold.
+
+use super::chart_step::ChartStep;
+use super::correspondence::Correspondence;
+use super::parts::{Meaning, Part, Timer};
+use super::program_step::ProgramStep;
+use crate::base::iec;
+use crate::ir::chart::{Machine, StateId};
+use crate::ir::iec::{BlockId, Body, Project, Scope, VarId};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Which latches of a program stand for which parts of a machine.
+#[derive(Clone, Debug)]
+pub struct Match {
+    /// For each input, its latch.
+    pub inputs: Vec<usize>,
+    /// All parts that the program has something for, with their latches.
+    pub parts: Vec<(Part, usize)>,
+    /// For each latch, what it is believed to hold between scans; to be proved.
+    pub meanings: Vec<Option<Meaning>>,
+    /// For each latch, whether the belief is no more than a guess.
+    pub guessed: Vec<bool>,
+    /// For each block of the program, the time that it is believed to measure.
+    pub timers: Vec<Option<Timer>>,
+    /// Steps and timers that the program lacks; without them it can be refuted but not proved.
+    pub missing: Vec<String>,
+}
+
+/// The two sides and what joins them.
+#[derive(Clone, Copy)]
+pub struct Pair<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its step.
+    pub chart: &'a ChartStep<'a>,
+    /// The program's step.
+    pub program: &'a ProgramStep<'a>,
+}
+
+impl Match {
+    /// Looks names up; says which one the program does not have.
+    pub fn of(pair: Pair<'_>, names: &Correspondence, project: &Project) -> Result<Match, String> {
+        let Pair { machine, program, .. } = pair;
+        let globals: BTreeMap<String, VarId> = project
+            .variables
+            .iter()
+            .filter(|(_, v)| v.scope == Scope::Global)
+            .map(|(id, v)| (iec::fold(&v.name), id))
+            .collect();
+        let mut matched = Match {
+            inputs: Vec::new(),
+            parts: Vec::new(),
+            meanings: Vec::new(),
+            guessed: vec![false; program.latches().len()],
+            timers: vec![None; project.blocks.len()],
+            missing: Vec::new(),
+        };
+        let mut add = |part: Part, name: &String| {
+            let what = || part.describe(machine);
+            let id = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what()))?;
+            let latch = program.variable(*id);
+            let latch = latch.ok_or_else(|| format!("`{name}`, which stands for {}, is not BOOL", what()))?;
+            matched.parts.push((part, latch));
+            Ok::<usize, String>(latch)
+        };
+        for (id, name) in machine.inputs.ids().zip(&names.inputs) {
+            matched.inputs.push(add(Part::Input(id), name)?);
+        }
+        for (id, name) in machine.states.ids().zip(&names.flags) {
+            add(Part::Flag(id), name)?;
+        }
+        for (id, name) in machine.outputs.ids().zip(&names.outputs) {
+            add(Part::Output(id), name)?;
+        }
+        for (id, name) in machine.variables.ids().zip(&names.variables) {
+            add(Part::Variable(id), name)?;
+        }
+        let commands = machine.outputs.ids().map(Part::Command).zip(&names.commands);
+        let acted = machine.safety.constraints.ids().map(Part::Acted).zip(&names.acted);
+        let broken = (0..names.broken.len()).map(Part::Broken).zip(&names.broken);
+        for (part, name) in commands.chain(acted).chain(broken) {
+            if let Some(name) = name {
+                add(part, name)?;
+            }
+        }
+        matched.steps(pair, names, project);
+        matched.timers(pair, names, project);
+        foreign_inputs(project, program, &matched.inputs)?;
+        matched.by_construction(pair, project);
+        Ok(matched)
+    }
+
+    fn steps(&mut self, Pair { machine, program, .. }: Pair<'_>, names: &Correspondence, project: &Project) {
+        let mut places = BTreeMap::new();
+        for (p, instance) in project.programs.iter().enumerate() {
+            if let Body::Sfc(sfc) = &instance.body {
+                for (id, step) in sfc.steps.iter() {
+                    places.insert((iec::fold(&instance.kind), iec::fold(&step.name)), program.step(p, id));
+                }
+            }
+        }
+        for (id, place) in machine.states.ids().zip(&names.steps) {
+            let Some((program, step)) = place else { continue };
+            match places.get(&(iec::fold(program), iec::fold(step))) {
+                Some(&latch) => self.parts.push((Part::Step(id), latch)),
+                None => {
+                    let what = Part::Step(id).describe(machine);
+                    self.missing.push(missing(&format!("{program}.{step}"), &what));
+                }
+            }
+        }
+    }
+
+    fn timers(&mut self, Pair { machine, chart, program }: Pair<'_>, names: &Correspondence, project: &Project) {
+        let places: BTreeMap<(String, String), BlockId> = project
+            .blocks
+            .iter()
+            .filter_map(|(id, block)| match block.scope {
+                Scope::Global => None,
+                Scope::Program(p) => Some(((iec::fold(&project.programs[p].kind), iec::fold(&block.name)), id)),
+            })
+            .collect();
+        for (index, (state, ms)) in chart.timers().enumerate() {
+            let timer = Timer { index, state, ms };
+            let what = Part::Begins(timer).describe(machine);
+            let Some((place, name)) = names.timers.get(&(state, ms)) else {
+                self.missing.push(format!("nothing is known to stand for {what}"));
+                continue;
+            };
+            let found = places.get(&(iec::fold(place), iec::fold(name)));
+            // With another preset time it does not measure this one.
+            let fits = |id: &&BlockId| program.presets()[id.index()] == Some(i64::from(ms) * 1000);
+            match found.filter(fits) {
+                Some(&id) => {
+                    self.timers[id.index()] = Some(timer);
+                    self.parts.push((Part::Begins(timer), program.block(id) + 3));
+                }
+                None => self.missing.push(missing(&format!("{place}.{name}"), &what)),
+            }
+        }
+    }
+
+    /// What latches hold by the way in which a program is made: parts hold themselves, the bits of a
+    /// timer whether its state has just been entered and whether its time has passed, the idle step of
+    /// a region's SFC, which stands for no state, is active exactly while the region's parent is not,
+    /// and what nothing writes keeps its initial value.
+    fn by_construction(&mut self, Pair { machine, program, .. }: Pair<'_>, project: &Project) {
+        let mut meanings: Vec<Option<Meaning>> = vec![None; program.latches().len()];
+        let mut state_of: BTreeMap<usize, StateId> = BTreeMap::new();
+        for &(part, latch) in &self.parts {
+            meanings[latch] = meanings[latch].or(part.remembered());
+            if let Part::Step(s) = part {
+                state_of.insert(latch, s);
+            }
+        }
+        for (block, timer) in project.blocks.ids().zip(&self.timers) {
+            if let Some(timer) = *timer {
+                let first = program.block(block);
+                meanings[first] = Some(Meaning::Fresh(timer, false));
+                meanings[first + 1] = Some(Meaning::Past(timer, true));
+                meanings[first + 2] = Some(Meaning::Fresh(timer, false));
+            }
+        }
+        let written = program.written();
+        for (latch, value) in program.power_up().into_iter().enumerate() {
+            if !written[latch] && meanings[latch].is_none() {
+                meanings[latch] = value.constant().map(Meaning::Constant);
+            }
+        }
+        for (p, instance) in project.programs.iter().enumerate() {
+            let Body::Sfc(sfc) = &instance.body else { continue };
+            let some = sfc.steps.ids().find_map(|s| state_of.get(&program.step(p, s)));
+            let Some(region) = some.map(|&s| machine.states[s].region) else { continue };
+            for latch in sfc.steps.ids().map(|id| program.step(p, id)).filter(|l| !state_of.contains_key(l)) {
+                meanings[latch] = Some(match machine.regions[region].parent {
+                    Some(parent) => Meaning::Active(parent, false),
+                    None => Meaning::Constant(false),
+                });
+            }
+        }
+        self.meanings = meanings;
+    }
+}
+
+/// A program that reads what the machine does not have is no program of this machine.
+fn foreign_inputs(project: &Project, program: &ProgramStep<'_>, inputs: &[usize]) -> Result<(), String> {
+    let known: BTreeSet<usize> = inputs.iter().copied().collect();
+    for (id, variable) in project.variables.iter() {
+        let located = variable.address.as_deref().is_some_and(|a| a.to_ascii_uppercase().starts_with("%I"));
+        if located && !program.variable(id).is_some_and(|latch| known.contains(&latch)) {
+            return Err(format!("the program has an input `{}` that the machine does not have", variable.name));
+        }
+    }
+    Ok(())
+}
+
+fn missing(name: &str, what: &str) -> String {
+    format!("the program has nothing named `{name}` for {what}")
+}

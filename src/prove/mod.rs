@@ -1,0 +1,37 @@
+//! Machine and PLC project to a verdict: whether one scan of the program is one scan of the chart.
+//!
+//! | module | does |
+//! | --- | --- |
+//! | [`aig`] | Boolean functions as and-inverter graphs: the one bit-level form of everything here |
+//! | [`sat`] | questions about them to a solver |
+//! | [`chart_step`] | one scan of a chart as such functions, from the chart's own meaning |
+//! | [`program_step`] | one scan of a PLC project as such functions, from the project's own meaning |
+//! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
+//! | [`configuration`] | every configuration of a chart, decoded from free bits |
+//! | [`induction`] | first scan and any later scan, claim by claim |
+//! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
+//! | [`trace`] | the run that shows it, as a table |
+//! | [`equivalence`] | all of it, in order |
+//!
+//! Nothing here knows of the passes that made the program or of the writer that wrote it: [`lower`](crate::lower)
+//! and [`emit`](crate::emit) are what is on trial.
+
+pub mod aig;
+pub mod chart_filter;
+pub mod chart_step;
+pub mod configuration;
+pub mod correspondence;
+pub mod equivalence;
+pub mod induction;
+pub mod joint;
+pub mod matching;
+pub mod parts;
+pub mod program_step;
+mod random;
+pub mod sat;
+pub mod search;
+pub mod shorten;
+pub mod trace;
+
+pub use correspondence::Correspondence;
+pub use equivalence::{Doubt, Statistics, Verdict, equivalence, equivalence_within};

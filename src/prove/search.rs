@@ -1,0 +1,293 @@
+//! Looks for a run from power-up in which chart and program differ.
+//!
+//! A pool of memories that have been reached is grown by running 64 input sequences at once from one of
+//! them and keeping what is new: a transition that has not fired before, a configuration that has not
+//! been seen. A solver helps in two ways: from memories in the pool it looks for inputs that show a
+//! difference within a few scans, and where a transition has not fired yet for inputs that make it fire.
+//!
+//! Finding nothing proves nothing. What is counted is work and not time, so that every run ends alike.
+
+use super::aig::{Aig, Lit};
+use super::joint::{Joint, Memory, Run, Stimulus};
+use super::random::Random;
+use super::sat::{Answer, Budget, Model, Sat};
+use super::shorten::shorten;
+use crate::ir::iec::Time;
+use std::collections::HashSet;
+
+/// How far to look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Runs of 64 input sequences.
+    pub runs: usize,
+    /// Scans of each.
+    pub scans: usize,
+    /// Memories from which a solver looks for a difference in the next scan.
+    pub asked: usize,
+    /// Memories from which it looks further.
+    pub asked_ahead: usize,
+    /// How many scans ahead it looks from there.
+    pub ahead: usize,
+}
+
+impl Effort {
+    /// Finds what shows up soon: some tenths of a second for a machine of some hundred states.
+    pub const FIRST: Effort = Effort { runs: 120, scans: 16, asked: 240, asked_ahead: 0, ahead: 1 };
+    /// Some seconds.
+    pub const USUAL: Effort = Effort { runs: 600, scans: 24, asked: 600, asked_ahead: 24, ahead: 4 };
+}
+
+/// Most memories that are kept; a machine may have more configurations than atoms.
+const POOL: usize = 4_000;
+
+/// How a memory has been reached.
+struct Reached {
+    memory: Memory,
+    /// From which entry of the pool; nothing for power-up.
+    from: Option<usize>,
+    /// By which stimuli.
+    by: Vec<Stimulus>,
+}
+
+struct Search<'a> {
+    joint: &'a Joint,
+    random: Random,
+    pool: Vec<Reached>,
+    configurations: HashSet<Vec<bool>>,
+    fired: Vec<bool>,
+    /// A pause after which every time has passed.
+    long: Time,
+    sat: &'a mut Sat,
+}
+
+/// Stimuli from power-up on, in the last scan of which some part differs.
+pub fn search(joint: &Joint, sat: &mut Sat, effort: Effort) -> Option<Vec<Stimulus>> {
+    let mut search = Search {
+        joint,
+        random: Random::new(3),
+        pool: Vec::new(),
+        configurations: HashSet::new(),
+        fired: vec![false; joint.half(false).fires.len()],
+        long: joint.times.iter().copied().max().unwrap_or(0).max(joint.cycle),
+        sat,
+    };
+    let found = search.first().or_else(|| search.explore(effort))?;
+    Some(shorten(joint, found))
+}
+
+impl Search<'_> {
+    /// The first scan, with what a solver finds and with 64 assignments of the inputs.
+    fn first(&mut self) -> Option<Vec<Stimulus>> {
+        let half = self.joint.half(true);
+        self.sat.forget();
+        if let Answer::Sometimes(model) = self.sat.ask(&half.aig, &[half.differs], Budget::PROOF) {
+            return Some(vec![self.stimulus(&model, 0, self.joint.cycle)]);
+        }
+        // Lane 0 begins with everything FALSE, lane 1 with everything TRUE.
+        let inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.next() & !1 | 2).collect();
+        let mut run = Run::new(self.joint);
+        run.scan(&inputs, self.joint.cycle);
+        for lane in 0..64 {
+            let by = vec![Stimulus { pause: self.joint.cycle, inputs: bits(&inputs, lane) }];
+            self.keep(run.memory(lane), None, by);
+        }
+        None
+    }
+
+    fn explore(&mut self, effort: Effort) -> Option<Vec<Stimulus>> {
+        let mut asked = 0;
+        for run in 0..effort.runs {
+            // Mostly from what was reached last, and from anywhere as well.
+            let count = self.pool.len();
+            let start = if run % 3 == 0 {
+                self.random.below(count)
+            } else {
+                count - 1 - self.random.below(count.min(8 + count / 4))
+            };
+            if let Some(found) = self.run(start, effort.scans) {
+                return Some(found);
+            }
+            // The solver keeps step with what the runs reach.
+            let due = (run + 1) * effort.asked / effort.runs;
+            while asked < due.min(self.pool.len()) {
+                if let Some(found) = self.ask(asked, 1) {
+                    return Some(found);
+                }
+                asked += 1;
+            }
+            if run % 4 == 3 {
+                self.fire_more();
+            }
+        }
+        for ahead in 2..=effort.ahead {
+            let every = (self.pool.len() / effort.asked_ahead.max(1)).max(1);
+            for entry in (0..self.pool.len()).step_by(every) {
+                if let Some(found) = self.ask(entry, ahead) {
+                    return Some(found);
+                }
+            }
+        }
+        None
+    }
+
+    /// Runs 64 input sequences from an entry of the pool.
+    fn run(&mut self, start: usize, scans: usize) -> Option<Vec<Stimulus>> {
+        let mut run = Run::from(self.joint, &self.pool[start].memory);
+        // Every input in every lane has a habit of its own.
+        let habits: Vec<[u64; 2]> = (0..self.joint.inputs).map(|_| [self.random.next(), self.random.next()]).collect();
+        let mut inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.next()).collect();
+        let mut history: Vec<(Time, Vec<u64>)> = Vec::new();
+        for _ in 0..scans {
+            for (word, [a, b]) in inputs.iter_mut().zip(&habits) {
+                let (x, y, z) = (self.random.next(), self.random.next(), self.random.next());
+                let rarely = x & y & z;
+                let changes = *word ^ rarely;
+                *word = !a & !b & changes | !a & b & x | a & !b & !rarely | a & b & rarely;
+            }
+            let pause = self.pause();
+            run.scan(&inputs, pause);
+            history.push((pause, inputs.clone()));
+            let path = |lane: usize| -> Vec<Stimulus> {
+                history.iter().map(|(pause, words)| Stimulus { pause: *pause, inputs: bits(words, lane) }).collect()
+            };
+            let differ = run.word(run.half().differs);
+            if differ != 0 {
+                let mut stimuli = self.path(start);
+                stimuli.extend(path(differ.trailing_zeros() as usize));
+                return Some(stimuli);
+            }
+            let mut news = 0u64;
+            for (fired, &l) in self.fired.iter_mut().zip(&run.half().fires) {
+                let word = run.word(l);
+                if word != 0 && !*fired {
+                    *fired = true;
+                    news |= word & word.wrapping_neg();
+                }
+            }
+            for lane in 0..64 {
+                if news >> lane & 1 == 1 || !self.configurations.contains(&run.active(lane)) {
+                    self.keep(run.memory(lane), Some(start), path(lane));
+                }
+            }
+        }
+        None
+    }
+
+    /// Mostly the cycle time, now and then long enough for some timer to end.
+    fn pause(&mut self) -> Time {
+        if self.joint.times.is_empty() || self.random.below(4) > 0 {
+            return self.joint.cycle;
+        }
+        match self.random.below(3) {
+            0 => self.long,
+            _ => {
+                let any = self.joint.times[self.random.below(self.joint.times.len())];
+                // Just before, exactly and just after.
+                (any + (self.random.below(3) as Time - 1) * self.joint.cycle).max(self.joint.cycle)
+            }
+        }
+    }
+
+    fn keep(&mut self, memory: Memory, from: Option<usize>, by: Vec<Stimulus>) {
+        self.configurations.insert(memory.bits[..self.joint.states].to_vec());
+        if self.pool.len() < POOL {
+            self.pool.push(Reached { memory, from, by });
+        }
+    }
+
+    /// From power-up to an entry of the pool.
+    fn path(&self, entry: usize) -> Vec<Stimulus> {
+        let chain = std::iter::successors(Some(entry), |&e| self.pool[e].from);
+        let mut parts: Vec<&Vec<Stimulus>> = chain.map(|e| &self.pool[e].by).collect();
+        parts.reverse();
+        parts.into_iter().flatten().cloned().collect()
+    }
+
+    /// Looks for a difference at the end of `ahead` scans from an entry of the pool.
+    fn ask(&mut self, entry: usize, ahead: usize) -> Option<Vec<Stimulus>> {
+        let differs = self.joint.half(false).differs;
+        for pause in self.pauses() {
+            if let Some(by) = self.solve(entry, ahead, pause, differs) {
+                let mut stimuli = self.path(entry);
+                stimuli.extend(by);
+                // Where timers start again on the way, the solver was not told the whole truth.
+                if self.joint.first_difference(&stimuli).is_some() {
+                    return Some(stimuli);
+                }
+            }
+        }
+        None
+    }
+
+    fn pauses(&self) -> Vec<Time> {
+        if self.joint.times.is_empty() { vec![self.joint.cycle] } else { vec![self.joint.cycle, self.long] }
+    }
+
+    /// Makes transitions fire that have not fired yet.
+    fn fire_more(&mut self) {
+        let fires = &self.joint.half(false).fires;
+        let mut patience = 8;
+        for (t, &goal) in fires.iter().enumerate() {
+            if self.fired[t] || goal == Lit::FALSE {
+                continue;
+            }
+            if patience == 0 {
+                return;
+            }
+            patience -= 1;
+            for k in 0..6 {
+                let count = self.pool.len();
+                let entry = if k < 3 { count - 1 - self.random.below(count.min(16)) } else { self.random.below(count) };
+                let ways = (1..=2).flat_map(|ahead| self.pauses().into_iter().map(move |pause| (ahead, pause)));
+                let ways: Vec<(usize, Time)> = ways.collect();
+                let Some(by) = ways.into_iter().find_map(|(ahead, pause)| self.solve(entry, ahead, pause, goal)) else {
+                    continue;
+                };
+                let mut run = Run::from(self.joint, &self.pool[entry].memory);
+                for s in &by {
+                    let words: Vec<u64> = s.inputs.iter().map(|&b| u64::from(b)).collect();
+                    run.scan(&words, s.pause);
+                }
+                self.fired[t] = run.word(goal) & 1 == 1;
+                self.keep(run.memory(0), Some(entry), by);
+                break;
+            }
+        }
+    }
+
+    /// Stimuli for `ahead` scans from an entry of the pool, each after the same pause, in the last of
+    /// which `goal` is TRUE.
+    fn solve(&mut self, entry: usize, ahead: usize, pause: Time, goal: Lit) -> Option<Vec<Stimulus>> {
+        let Memory { bits, started, now } = &self.pool[entry].memory;
+        let next = &self.joint.half(false).next;
+        let mut aig = Aig::new();
+        let mut memory: Vec<Lit> = bits.iter().map(|&b| Lit::of(b)).collect();
+        for scan in 1..=ahead {
+            let inputs: Vec<Lit> = (0..self.joint.inputs).map(|i| aig.leaf(format!("{scan}.{i}"))).collect();
+            let at = now + pause * scan as Time;
+            let passed: Vec<Lit> =
+                started.iter().zip(&self.joint.times).map(|(start, time)| Lit::of(at >= start + time)).collect();
+            if scan < ahead {
+                memory = self.joint.copy(&mut aig, &memory, &inputs, &passed, next);
+                continue;
+            }
+            let goal = self.joint.copy(&mut aig, &memory, &inputs, &passed, &[goal])[0];
+            self.sat.forget();
+            return match self.sat.ask(&aig, &[goal], Budget::ATTEMPT) {
+                Answer::Sometimes(model) => Some((0..ahead).map(|s| self.stimulus(&model, s, pause)).collect()),
+                Answer::Never | Answer::GaveUp => None,
+            };
+        }
+        None
+    }
+
+    /// A scan in a model of scans one after the other.
+    fn stimulus(&self, model: &Model, scan: usize, pause: Time) -> Stimulus {
+        let inputs = (0..self.joint.inputs).map(|i| model.leaf((scan * self.joint.inputs + i) as u32)).collect();
+        Stimulus { pause, inputs }
+    }
+}
+
+fn bits(words: &[u64], lane: usize) -> Vec<bool> {
+    words.iter().map(|w| w >> lane & 1 == 1).collect()
+}

@@ -1,0 +1,133 @@
+//! Conditions, names and times of plants and scenarios to what they mean.
+
+use super::Resolver;
+use super::expressions::Context;
+use super::names::Symbol;
+use crate::base::{Code, Diagnostic, iec, limits};
+use crate::ir::ast::{self, PathRef, Term, TimeUnit};
+use crate::ir::chart::ActuatorId;
+use crate::ir::expr::Expr;
+use crate::ir::scenario::{BitId, Condition, Given, Seen};
+
+impl Resolver {
+    /// Resolves a condition; what cannot be resolved is reported and reads FALSE.
+    pub fn condition(&mut self, guard: &ast::Guard, context: &Context) -> Condition {
+        guard.expr.map(&mut |term| self.seen(term, context))
+    }
+
+    fn seen(&mut self, term: &Term, context: &Context) -> Condition {
+        let now = |b| Expr::Atom(Seen::Bit(b));
+        let before = |b| Expr::Atom(Seen::PrevBit(b));
+        match term {
+            Term::Value(path) if self.bit(path).is_some() => self.bit(path).map_or(Expr::FALSE, now),
+            Term::Prev(path) if self.bit(path).is_some() => self.bit(path).map_or(Expr::FALSE, before),
+            Term::Rise(path) if self.bit(path).is_some() => {
+                self.bit(path).map_or(Expr::FALSE, |b| Expr::all([before(b).not(), now(b)]))
+            }
+            Term::Fall(path) if self.bit(path).is_some() => {
+                self.bit(path).map_or(Expr::FALSE, |b| Expr::all([before(b), now(b).not()]))
+            }
+            Term::Alarm(path) if matches!(context, Context::Expectation) => self.alarm(path),
+            Term::Value(_)
+            | Term::Prev(_)
+            | Term::Rise(_)
+            | Term::Fall(_)
+            | Term::In(_)
+            | Term::DoneOf(_)
+            | Term::Done(_)
+            | Term::Alarm(_)
+            | Term::After(_) => self.term(term, context).map(&mut |atom| Expr::Atom(Seen::Machine(*atom))),
+        }
+    }
+
+    /// The hidden bit that a path means, if it means one.
+    fn bit(&self, path: &PathRef) -> Option<BitId> {
+        match (path.parts.as_slice(), self.symbol(&path.parts[0].0)) {
+            ([_], Some(Symbol::Bit(id))) => Some(id),
+            _ => None,
+        }
+    }
+
+    fn alarm(&mut self, path: &PathRef) -> Condition {
+        let name = path.parts.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
+        let folded = iec::fold(&name);
+        let safety = &self.machine.safety;
+        if let Some((id, _)) = safety.constraints.iter().find(|(_, c)| iec::fold(&c.name) == folded) {
+            return Expr::Atom(Seen::Acted(id));
+        }
+        if let Some(i) = safety.assumptions.iter().position(|a| iec::fold(&a.name) == folded) {
+            return Expr::Atom(Seen::Broken(i));
+        }
+        self.diagnostics.push(
+            Diagnostic::new(Code::UnknownName, format!("there is no constraint `{name}`"))
+                .label(path.span(), "not declared")
+                .help("`alarm` asks for a constraint or an assumption of the safety part"),
+        );
+        Expr::FALSE
+    }
+
+    /// The input or hidden bit of that name, or an error.
+    pub fn given(&mut self, name: &ast::Name) -> Option<Given> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Input(id)) => Some(Given::Input(id)),
+            Some(Symbol::Bit(id)) => Some(Given::Bit(id)),
+            other => {
+                self.wrong_symbol(name, other, "an input or hidden bit");
+                None
+            }
+        }
+    }
+
+    /// The actuator and the index of its position, or an error.
+    pub fn place(&mut self, actuator: &ast::Name, position: &ast::Name) -> Option<(ActuatorId, usize)> {
+        let id = self.actuator(actuator)?;
+        let folded = iec::fold(&position.text);
+        let positions = &self.machine.actuators[id].positions;
+        let found = positions.iter().position(|p| iec::fold(&p.name) == folded);
+        if found.is_none() {
+            let names: Vec<String> = positions.iter().map(|p| format!("`{}`", p.name)).collect();
+            self.diagnostics.push(
+                Diagnostic::new(Code::UnknownName, format!("`{}` has no position `{}`", actuator.text, position.text))
+                    .label(position.span, "not declared there")
+                    .help(format!("it has {}", names.join(" and "))),
+            );
+        } else if self.machine.plant.travels.iter().all(|t| t.actuator != id) {
+            self.diagnostics.push(
+                Diagnostic::new(Code::CannotTravel, format!("`{}` does not travel in the plant", actuator.text))
+                    .label(actuator.span, "it is nowhere")
+                    .help(format!("say in the plant how long it takes: `{} travels 300ms`", actuator.text)),
+            );
+            return None;
+        }
+        Some((id, found?))
+    }
+
+    /// A time in scans, rounded up; what is out of range is reported and reads as the least.
+    pub fn scans(&mut self, time: &ast::Time, least: u32) -> u32 {
+        let scans = time.value.map(|value| match time.unit {
+            TimeUnit::Milliseconds => value.div_ceil(self.machine.cycle.max(1)),
+            TimeUnit::Scans => value,
+        });
+        match scans {
+            Some(n) if (least..=limits::SCENARIO_SCANS).contains(&n) => n,
+            Some(n) => {
+                let what = if n < least {
+                    "this takes at least a scan".to_owned()
+                } else {
+                    format!("a time is at most {} scans", limits::SCENARIO_SCANS)
+                };
+                self.bad_time(&what, time.span);
+                least
+            }
+            None => {
+                self.bad_time("this is more than any time can be", time.span);
+                least
+            }
+        }
+    }
+
+    /// Reports a time or a number of repetitions.
+    pub fn bad_time(&mut self, what: &str, span: crate::base::Span) {
+        self.diagnostics.push(Diagnostic::new(Code::BadScans, what).label(span, "out of range"));
+    }
+}

@@ -1,0 +1,140 @@
+//! All values of a machine at the end of a scan, and what conditions make of them.
+
+use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, OutputId, StateId, StateKind, VariableId};
+use crate::ir::scenario::{BitId, Condition, Given, Seen};
+use std::ops::Range;
+
+/// Where each value stands in a [`Frame`].
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    bits: usize,
+    outputs: usize,
+    variables: usize,
+    states: usize,
+    acted: usize,
+    broken: usize,
+    len: usize,
+}
+
+/// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
+/// alarms of constraints, alarms of assumptions.
+pub type Frame = Vec<bool>;
+
+impl Layout {
+    /// The layout for `machine`.
+    pub fn of(machine: &Machine) -> Layout {
+        let bits = machine.inputs.len();
+        let outputs = bits + machine.plant.bits.len();
+        let variables = outputs + machine.outputs.len();
+        let states = variables + machine.variables.len();
+        let acted = states + machine.states.len();
+        let broken = acted + machine.safety.constraints.len();
+        let len = broken + machine.safety.assumptions.len();
+        Layout { bits, outputs, variables, states, acted, broken, len }
+    }
+
+    /// A frame with all values FALSE.
+    pub fn frame(&self) -> Frame {
+        vec![false; self.len]
+    }
+
+    /// The places of inputs.
+    pub fn inputs(&self) -> Range<usize> {
+        0..self.bits
+    }
+
+    /// The places of inputs and hidden bits.
+    pub fn given(&self) -> Range<usize> {
+        0..self.outputs
+    }
+
+    /// The places of outputs.
+    pub fn outputs(&self) -> Range<usize> {
+        self.outputs..self.variables
+    }
+
+    /// The places of outputs and variables.
+    pub fn written(&self) -> Range<usize> {
+        self.outputs..self.states
+    }
+
+    /// The places of states.
+    pub fn states(&self) -> Range<usize> {
+        self.states..self.acted
+    }
+
+    /// The places of alarms, of constraints and then of assumptions.
+    pub fn alarms(&self) -> Range<usize> {
+        self.acted..self.len
+    }
+
+    /// The place of an input.
+    pub fn input(&self, input: InputId) -> usize {
+        input.index()
+    }
+
+    /// The place of a hidden bit.
+    pub fn bit(&self, bit: BitId) -> usize {
+        self.bits + bit.index()
+    }
+
+    /// The place of an input or hidden bit.
+    pub fn place(&self, given: Given) -> usize {
+        match given {
+            Given::Input(i) => self.input(i),
+            Given::Bit(b) => self.bit(b),
+        }
+    }
+
+    /// The place of an output.
+    pub fn output(&self, output: OutputId) -> usize {
+        self.outputs + output.index()
+    }
+
+    /// The place of a variable.
+    pub fn variable(&self, variable: VariableId) -> usize {
+        self.variables + variable.index()
+    }
+
+    /// The place of a state.
+    pub fn state(&self, state: StateId) -> usize {
+        self.states + state.index()
+    }
+
+    /// The place of a constraint's alarm.
+    pub fn acted(&self, constraint: ConstraintId) -> usize {
+        self.acted + constraint.index()
+    }
+
+    /// The place of an assumption's alarm.
+    pub fn broken(&self, assumption: usize) -> usize {
+        self.broken + assumption
+    }
+
+    /// What a condition reads, in a frame and the one before.
+    pub fn value(&self, machine: &Machine, seen: Seen, now: &[bool], before: &[bool]) -> bool {
+        match seen {
+            Seen::Machine(Atom::Input(i)) => now[self.input(i)],
+            Seen::Machine(Atom::PrevInput(i)) => before[self.input(i)],
+            Seen::Machine(Atom::Output(o)) => now[self.output(o)],
+            Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
+            Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
+            Seen::Machine(Atom::In(s)) => now[self.state(s)],
+            Seen::Machine(Atom::Done(s)) => machine.states[s].regions.iter().all(|&r| {
+                let mut states = machine.regions[r].states.iter();
+                states.any(|&s| machine.states[s].kind == StateKind::Final && now[self.state(s)])
+            }),
+            // The time a state has been active is part of guards only, and those are no conditions here.
+            Seen::Machine(Atom::After(..)) => false,
+            Seen::Bit(b) => now[self.bit(b)],
+            Seen::PrevBit(b) => before[self.bit(b)],
+            Seen::Acted(c) => now[self.acted(c)],
+            Seen::Broken(a) => now[self.broken(a)],
+        }
+    }
+
+    /// Whether a condition holds in a frame with that one before it.
+    pub fn holds(&self, machine: &Machine, condition: &Condition, now: &[bool], before: &[bool]) -> bool {
+        condition.eval(&mut |&seen| self.value(machine, seen, now, before))
+    }
+}

@@ -1,0 +1,145 @@
+//! Runs a plant scan by scan, by the meaning that [`crate::ir::scenario`] gives it.
+
+use super::frame::{Frame, Layout};
+use crate::ir::chart::{ActuatorId, InputId, Machine};
+use crate::ir::scenario::{Given, Valve};
+
+/// The plant of a machine that runs, with what a scenario does to it.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    layout: Layout,
+    /// For each travel, where it is.
+    travels: Vec<Place>,
+    /// For each rule, how many scans its condition has held.
+    counts: Vec<u32>,
+    /// For each input, the value at which it is held.
+    forced: Vec<Option<bool>>,
+    /// What stands at the terminals: inputs, hidden bits and, once [`Plant::step`] has begun, outputs of the
+    /// scan before.
+    values: Frame,
+    first: bool,
+}
+
+/// Where an actuator is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// From 0 at the first position to `out * back` at the second, so that both ways take whole steps.
+    at: u64,
+    /// The position to which it was last ordered.
+    order: Option<usize>,
+}
+
+impl Plant {
+    /// The plant as it stands before the first scan.
+    pub fn new(machine: &Machine) -> Plant {
+        let layout = Layout::of(machine);
+        let mut plant = Plant {
+            layout,
+            travels: vec![Place { at: 0, order: None }; machine.plant.travels.len()],
+            counts: vec![0; machine.plant.rules.len()],
+            forced: vec![None; machine.inputs.len()],
+            values: layout.frame(),
+            first: true,
+        };
+        for &(given, value) in &machine.plant.initially {
+            plant.set(given, value);
+        }
+        for &(actuator, position) in &machine.plant.places {
+            plant.place(machine, actuator, position);
+        }
+        plant
+    }
+
+    /// Gives a value to what the plant does not change by itself; else the plant goes on from there.
+    pub fn set(&mut self, given: Given, value: bool) {
+        self.values[self.layout.place(given)] = value;
+    }
+
+    /// Holds an input at a value, or holds it no more.
+    pub fn force(&mut self, input: InputId, value: Option<bool>) {
+        self.forced[input.index()] = value;
+    }
+
+    /// Puts an actuator at a position; its valve has no order any more.
+    pub fn place(&mut self, machine: &Machine, actuator: ActuatorId, position: usize) {
+        for (place, travel) in self.travels.iter_mut().zip(&machine.plant.travels) {
+            if travel.actuator == actuator {
+                let end = u64::from(travel.out) * u64::from(travel.back);
+                *place = Place { at: if position == 0 { 0 } else { end }, order: None };
+            }
+        }
+    }
+
+    /// Moves for one scan. `before` is the frame of the scan before, `earlier` of the one before that; both
+    /// are all FALSE as far as there was none. Returns the inputs that the program samples.
+    pub fn step(&mut self, machine: &Machine, before: &Frame, earlier: &Frame) -> &[bool] {
+        let outputs = self.layout.outputs();
+        self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
+        // What had no scan before it has no edge.
+        let mut past = if self.first { self.values.clone() } else { before.clone() };
+        past[outputs.clone()].copy_from_slice(&earlier[outputs]);
+        self.travel(machine, &past);
+        self.hold();
+        for (i, rule) in machine.plant.rules.iter().enumerate() {
+            let place = self.layout.place(rule.target);
+            let held = matches!(rule.target, Given::Input(input) if self.forced[input.index()].is_some());
+            let pending = !held
+                && self.values[place] != rule.value
+                && self.layout.holds(machine, &rule.condition, &self.values, &past);
+            if !pending {
+                self.counts[i] = 0;
+            } else if self.counts[i] >= rule.delay {
+                self.counts[i] = 0;
+                self.values[place] = rule.value;
+            } else {
+                self.counts[i] += 1;
+            }
+        }
+        self.first = false;
+        &self.values[self.layout.inputs()]
+    }
+
+    /// The values of inputs and hidden bits.
+    pub fn given(&self) -> &[bool] {
+        &self.values[self.layout.given()]
+    }
+
+    fn travel(&mut self, machine: &Machine, past: &Frame) {
+        for (place, travel) in self.travels.iter_mut().zip(&machine.plant.travels) {
+            let actuator = &machine.actuators[travel.actuator];
+            let ordered: Vec<usize> = (0..actuator.positions.len())
+                .filter(|&p| actuator.positions[p].output.is_some_and(|o| self.values[self.layout.output(o)]))
+                .collect();
+            let alone = if let [one] = ordered[..] { Some(one) } else { None };
+            place.order = match travel.valve {
+                Valve::Keeps => alone.or(place.order),
+                Valve::WhileDriven => alone,
+                Valve::Spring => Some(usize::from(!ordered.is_empty())),
+            };
+            let power = self.layout.holds(machine, &travel.power, &self.values, past);
+            let (out, back) = (u64::from(travel.out), u64::from(travel.back));
+            if !self.first {
+                match place.order {
+                    // A spring needs nothing to go back.
+                    Some(0) if power || travel.valve == Valve::Spring => place.at = place.at.saturating_sub(out),
+                    Some(1) if power => place.at = (place.at + back).min(out * back),
+                    Some(1) if travel.valve == Valve::Spring => place.at = place.at.saturating_sub(out),
+                    _ => {}
+                }
+            }
+            for sensor in &travel.sensors {
+                let end = if sensor.position == 0 { 0 } else { out * back };
+                self.values[self.layout.input(sensor.input)] = (place.at == end) == sensor.there;
+            }
+        }
+    }
+
+    /// Puts forced inputs back to their values.
+    fn hold(&mut self) {
+        for (value, forced) in self.values[self.layout.inputs()].iter_mut().zip(&self.forced) {
+            if let Some(forced) = forced {
+                *value = *forced;
+            }
+        }
+    }
+}

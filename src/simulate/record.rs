@@ -1,0 +1,194 @@
+//! The scans of a run to a table of changes and to CSV.
+
+use super::frame::{Frame, Layout};
+use super::run::milliseconds;
+use crate::ir::chart::{Machine, StateId};
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt::Write;
+
+/// What happened in a run, or in its last scans.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Frames with their scans, counted from 1.
+    frames: VecDeque<(u64, Frame)>,
+    most: usize,
+}
+
+impl Recording {
+    /// An empty recording that keeps the last `most` scans.
+    pub fn last(most: usize) -> Recording {
+        Recording { frames: VecDeque::new(), most }
+    }
+
+    /// An empty recording that keeps everything.
+    pub fn all() -> Recording {
+        Recording::last(usize::MAX)
+    }
+
+    /// Takes in a scan.
+    pub fn push(&mut self, scan: u64, frame: &Frame) {
+        if self.frames.len() == self.most {
+            self.frames.pop_front();
+        }
+        self.frames.push_back((scan, frame.clone()));
+    }
+
+    /// The frames with their scans, in order.
+    pub fn frames(&self) -> impl Iterator<Item = (u64, &Frame)> {
+        self.frames.iter().map(|(scan, frame)| (*scan, frame))
+    }
+
+    /// The scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
+    /// became FALSE with `-`, elementary states that were entered and left, alarms with `!`.
+    pub fn table(&self, machine: &Machine, most: usize) -> String {
+        let names = Names::of(machine);
+        let mut rows: Vec<[String; 5]> = Vec::new();
+        let mut before: Option<&Frame> = None;
+        for (scan, frame) in self.frames() {
+            // Of a run whose beginning is not there, the first frame only says what was before.
+            if before.is_some() || scan == 1 {
+                let cells = names.changes(before, frame);
+                if scan == 1 || cells.iter().any(|c| !c.is_empty()) {
+                    let [inputs, outputs, states] = cells;
+                    rows.push([scan.to_string(), seconds(milliseconds(machine, scan)), inputs, outputs, states]);
+                }
+            }
+            before = Some(frame);
+        }
+        rows.drain(..rows.len().saturating_sub(most));
+        grid(["scan", "time", "inputs", "outputs", "states"], &rows)
+    }
+
+    /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
+    /// `in(…)` and alarm as `alarm(…)`.
+    pub fn csv(&self, machine: &Machine) -> String {
+        let mut out = String::from("scan");
+        for name in columns(machine) {
+            let _ = write!(out, ",{name}");
+        }
+        out.push('\n');
+        for (scan, frame) in self.frames() {
+            let _ = write!(out, "{scan}");
+            for &value in frame {
+                out.push_str(if value { ",1" } else { ",0" });
+            }
+            out.push('\n');
+        }
+        out
+    }
+}
+
+/// What the places of a frame are called in CSV, in order.
+pub fn columns(machine: &Machine) -> Vec<String> {
+    let mut names: Vec<String> = machine.inputs.values().map(|i| i.name.clone()).collect();
+    names.extend(machine.plant.bits.values().map(|b| b.name.clone()));
+    names.extend(machine.outputs.values().map(|o| o.name.clone()));
+    names.extend(machine.variables.values().map(|v| v.name.clone()));
+    names.extend(paths(machine).into_iter().map(|path| format!("in({path})")));
+    names.extend(machine.safety.constraints.values().map(|c| format!("alarm({})", c.name)));
+    names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
+    names
+}
+
+/// For each state its path, with the name of its chart before it where another chart has the same path.
+fn paths(machine: &Machine) -> Vec<String> {
+    let mut paths: Vec<String> = machine.states.ids().map(|s| machine.state_path(s)).collect();
+    let mut count: BTreeMap<String, usize> = BTreeMap::new();
+    for path in &paths {
+        *count.entry(path.clone()).or_default() += 1;
+    }
+    for (path, state) in paths.iter_mut().zip(machine.states.values()) {
+        if count[path] > 1 {
+            let chart = &machine.charts[machine.regions[state.region].chart];
+            *path = format!("{}.{path}", chart.name);
+        }
+    }
+    paths
+}
+
+/// For each state, the shortest end of its path that no other path ends in; all of it where there is none.
+pub fn short_names(machine: &Machine) -> Vec<String> {
+    let paths = paths(machine);
+    let mut count: BTreeMap<&str, usize> = BTreeMap::new();
+    for path in &paths {
+        for end in ends(path) {
+            *count.entry(end).or_default() += 1;
+        }
+    }
+    paths.iter().map(|p| ends(p).find(|e| count[e] == 1).unwrap_or(p).to_owned()).collect()
+}
+
+/// The ends of a path in whole words, shortest first.
+fn ends(path: &str) -> impl Iterator<Item = &str> {
+    path.rmatch_indices('.').map(|(i, _)| &path[i + 1..]).chain(std::iter::once(path))
+}
+
+/// What is shown of a machine's values.
+pub struct Names {
+    layout: Layout,
+    columns: Vec<String>,
+    states: Vec<String>,
+    elementary: Vec<StateId>,
+}
+
+impl Names {
+    /// The names for `machine`.
+    pub fn of(machine: &Machine) -> Names {
+        let elementary = machine.states.iter().filter(|(_, s)| s.regions.is_empty()).map(|(id, _)| id).collect();
+        let (columns, states) = (columns(machine), short_names(machine));
+        Names { layout: Layout::of(machine), columns, states, elementary }
+    }
+
+    /// What changed from one frame to the next: in inputs, in outputs and alarms, in states.
+    pub fn changes(&self, before: Option<&Frame>, now: &Frame) -> [String; 3] {
+        let was = |i: usize| before.is_some_and(|b| b[i]);
+        let mut cells = [Vec::new(), Vec::new(), Vec::new()];
+        let sign = |now: bool, name: &str| format!("{}{name}", if now { '+' } else { '-' });
+        for (cell, places) in [(0, self.layout.given()), (1, self.layout.written())] {
+            let changed = places.filter(|&i| was(i) != now[i]);
+            cells[cell].extend(changed.map(|i| sign(now[i], &self.columns[i])));
+        }
+        for i in self.layout.alarms().filter(|&i| now[i] && !was(i)) {
+            let name = self.columns[i].trim_start_matches("alarm(").trim_end_matches(')');
+            cells[1].push(format!("!{name}"));
+        }
+        for leaves in [true, false] {
+            for &state in &self.elementary {
+                let i = self.layout.state(state);
+                if was(i) == leaves && now[i] != leaves {
+                    cells[2].push(sign(now[i], &self.states[state.index()]));
+                }
+            }
+        }
+        cells.map(|c| c.join(" "))
+    }
+}
+
+/// Milliseconds as seconds.
+pub fn seconds(milliseconds: u64) -> String {
+    format!("{}.{:03} s", milliseconds / 1000, milliseconds % 1000)
+}
+
+/// Columns of equal width; numbers to the right.
+fn grid<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
+    let mut widths = head.map(str::len);
+    for row in rows {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.chars().count());
+        }
+    }
+    let mut out = String::new();
+    let mut line = |cells: [&str; N]| {
+        let mut text = String::new();
+        for (i, (cell, width)) in cells.iter().zip(widths).enumerate() {
+            let _ = if i < 2 { write!(text, "{cell:>width$}  ") } else { write!(text, "{cell:<width$}  ") };
+        }
+        out.push_str(text.trim_end());
+        out.push('\n');
+    };
+    line(head);
+    for row in rows {
+        line(row.each_ref().map(String::as_str));
+    }
+    out
+}

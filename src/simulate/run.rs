@@ -1,0 +1,212 @@
+//! A program in its plant: one closed loop, scan by scan.
+
+use super::chart::Chart;
+use super::frame::{Frame, Layout};
+use super::plant::Plant;
+use super::plc::Plc;
+use crate::base::Span;
+use crate::ir::chart::{InputId, Machine};
+use crate::ir::plc::{self, Role};
+use crate::ir::scenario::Condition;
+use crate::ir::{iec, iec::VarId};
+
+/// What runs the machine.
+#[derive(Clone, Debug)]
+pub enum Program {
+    /// The chart, by its own meaning.
+    Chart(Box<Chart>),
+    /// A PLC that runs what the chart was compiled to.
+    Plc(Box<Wired>),
+}
+
+/// A PLC, and which of its variables are what of the machine.
+#[derive(Clone, Debug)]
+pub struct Wired {
+    plc: Plc,
+    inputs: Vec<VarId>,
+    /// Places in frames with variables; a place is TRUE if one of its variables is.
+    shown: Vec<(usize, VarId)>,
+}
+
+impl Program {
+    /// The chart of `machine`.
+    pub fn chart(machine: &Machine) -> Program {
+        Program::Chart(Box::new(Chart::new(machine)))
+    }
+
+    /// A PLC with what `machine` was compiled to: `written` is that project as it was written, `read` as it
+    /// was read back. Of the first only names are used.
+    ///
+    /// # Panics
+    ///
+    /// If `read` lacks a variable of `written`.
+    pub fn plc(machine: &Machine, written: &plc::Project, read: &iec::Project) -> Program {
+        let layout = Layout::of(machine);
+        // A place of the text alone is not enough, nor is a path: two charts may each have a state `Off`.
+        let find = |role: Role, what: &str, span: Span| {
+            let globals = written.globals.values();
+            let ours = globals.filter(|g| {
+                g.role == role && g.origin.span == Some(span) && g.origin.what.split(' ').nth(1) == Some(what)
+            });
+            let variable = |name: &str| {
+                let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == name);
+                found.map(|(id, _)| id).expect("what was written is read back")
+            };
+            let found: Vec<VarId> = ours.map(|g| variable(&g.name)).collect();
+            assert!(!found.is_empty(), "the program has nothing for {what}");
+            found
+        };
+        let inputs = machine.inputs.values().map(|i| find(Role::Input, &i.name, i.span)[0]).collect();
+        let mut shown = Vec::new();
+        let mut show = |place: usize, found: Vec<VarId>| shown.extend(found.into_iter().map(|v| (place, v)));
+        for (id, o) in machine.outputs.iter() {
+            show(layout.output(id), find(Role::Output, &o.name, o.span));
+        }
+        for (id, v) in machine.variables.iter() {
+            show(layout.variable(id), find(Role::Variable, &v.name, v.span));
+        }
+        for (id, s) in machine.states.iter() {
+            show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
+        }
+        for (id, c) in machine.safety.constraints.iter() {
+            show(layout.acted(id), find(Role::Alarm, &c.name, c.span));
+        }
+        for (i, a) in machine.safety.assumptions.iter().enumerate() {
+            show(layout.broken(i), find(Role::Alarm, &a.name, a.span));
+        }
+        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown }))
+    }
+
+    /// Runs one scan with the inputs that stand in `frame` and writes all else into it.
+    fn scan(&mut self, machine: &Machine, layout: &Layout, frame: &mut Frame) {
+        match self {
+            Program::Chart(chart) => {
+                chart.scan(&frame[layout.inputs()]);
+                for id in machine.outputs.ids() {
+                    frame[layout.output(id)] = chart.output(id);
+                }
+                for id in machine.variables.ids() {
+                    frame[layout.variable(id)] = chart.variable(id);
+                }
+                for id in machine.states.ids() {
+                    frame[layout.state(id)] = chart.is_active(id);
+                }
+                for id in machine.safety.constraints.ids() {
+                    frame[layout.acted(id)] = chart.acted(id);
+                }
+                for i in 0..machine.safety.assumptions.len() {
+                    frame[layout.broken(i)] = chart.broken(i);
+                }
+            }
+            Program::Plc(wired) => {
+                for (&variable, &value) in wired.inputs.iter().zip(&frame[layout.inputs()]) {
+                    wired.plc.write(variable, i64::from(value));
+                }
+                let milliseconds = i64::try_from(milliseconds(machine, wired.plc.scans() + 1)).unwrap_or(i64::MAX);
+                wired.plc.scan(milliseconds.saturating_mul(1000));
+                frame[layout.written().start..].fill(false);
+                for &(place, variable) in &wired.shown {
+                    frame[place] |= wired.plc.read(variable) != 0;
+                }
+            }
+        }
+    }
+}
+
+/// A machine that runs in its plant.
+#[derive(Clone, Debug)]
+pub struct Run<'m> {
+    machine: &'m Machine,
+    layout: Layout,
+    program: Program,
+    plant: Plant,
+    now: Frame,
+    before: Frame,
+    scans: u64,
+}
+
+impl<'m> Run<'m> {
+    /// A run before its first scan.
+    pub fn new(machine: &'m Machine, program: Program) -> Run<'m> {
+        let layout = Layout::of(machine);
+        let plant = Plant::new(machine);
+        Run { machine, layout, program, plant, now: layout.frame(), before: layout.frame(), scans: 0 }
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> &'m Machine {
+        self.machine
+    }
+
+    /// Where the values of frames stand.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The plant, to change what comes in from the next scan on.
+    pub fn plant(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
+    /// The values of inputs and hidden bits, with what was changed since the last scan.
+    pub fn given(&self) -> &[bool] {
+        self.plant.given()
+    }
+
+    /// Lets the plant move and the program run once.
+    pub fn scan(&mut self) {
+        self.plant.step(self.machine, &self.now, &self.before);
+        std::mem::swap(&mut self.now, &mut self.before);
+        let given = self.layout.given();
+        self.now[given.clone()].copy_from_slice(self.plant.given());
+        self.program.scan(self.machine, &self.layout, &mut self.now);
+        if self.scans == 0 {
+            // What has no past has no edge.
+            let (now, before) = (&self.now, &mut self.before);
+            before[given.clone()].copy_from_slice(&now[given]);
+        }
+        self.scans += 1;
+    }
+
+    /// How many scans have run.
+    pub fn scans(&self) -> u64 {
+        self.scans
+    }
+
+    /// When the last scan began, in milliseconds after the first one did.
+    pub fn milliseconds(&self) -> u64 {
+        milliseconds(self.machine, self.scans)
+    }
+
+    /// The values at the end of the last scan.
+    pub fn frame(&self) -> &Frame {
+        &self.now
+    }
+
+    /// The input's value in the last scan.
+    pub fn input(&self, input: InputId) -> bool {
+        self.now[self.layout.input(input)]
+    }
+
+    /// Whether the condition held at the end of the last scan.
+    pub fn holds(&self, condition: &Condition) -> bool {
+        self.layout.holds(self.machine, condition, &self.now, &self.before)
+    }
+
+    /// What the condition reads, each name once, with its value at the end of the last scan.
+    pub fn values(&self, condition: &Condition) -> Vec<(String, bool)> {
+        let mut values: Vec<(String, bool)> = Vec::new();
+        condition.for_each_atom(&mut |&seen| {
+            let name = self.machine.seen(seen);
+            if values.iter().all(|(n, _)| *n != name) {
+                values.push((name, self.layout.value(self.machine, seen, &self.now, &self.before)));
+            }
+        });
+        values
+    }
+}
+
+/// When scan number `scan`, counted from 1, begins: in milliseconds after the first one.
+pub fn milliseconds(machine: &Machine, scan: u64) -> u64 {
+    scan.saturating_sub(1) * u64::from(machine.cycle)
+}

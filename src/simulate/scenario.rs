@@ -1,0 +1,167 @@
+//! Plays a scenario: what happens to the machine, held against what is expected of it.
+
+use super::frame::Frame;
+use super::run::{Program, Run};
+use crate::base::Span;
+use crate::ir::chart::Machine;
+use crate::ir::scenario::{Condition, Doing, Given, Scenario, Step};
+
+/// How a scenario went.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// How many scans ran.
+    pub scans: u64,
+    /// What went wrong first, if something did.
+    pub failure: Option<Failure>,
+}
+
+/// Why a scenario failed, and when.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What was expected.
+    pub kind: Expectation,
+    /// The line that expected it.
+    pub span: Span,
+    /// Its text.
+    pub text: String,
+    /// The scan, counted from 1.
+    pub scan: u64,
+    /// What the condition reads, with the values after that scan.
+    pub values: Vec<(String, bool)>,
+}
+
+/// What a line expects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Expectation {
+    /// The condition, after the last scan.
+    Now,
+    /// The condition, within that many scans.
+    Within(u32),
+    /// The condition, in each scan.
+    Always,
+    /// The opposite of the condition, in each scan.
+    Never,
+}
+
+/// Plays the scenario of that index and stops at the first failure. `each` sees every scan's frame.
+pub fn play(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(u64, &Frame)) -> Verdict {
+    let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), each };
+    let mut failure = None;
+    for scenario in chain(machine, scenario) {
+        failure = player.steps(&scenario.steps).err();
+        if failure.is_some() {
+            break;
+        }
+    }
+    Verdict { scans: player.run.scans(), failure: failure.map(|f| *f) }
+}
+
+/// The scenario with those that are played before it, first first.
+fn chain(machine: &Machine, scenario: usize) -> Vec<&Scenario> {
+    let mut chain: Vec<&Scenario> =
+        std::iter::successors(Some(&machine.scenarios[scenario]), |s| s.after.map(|a| &machine.scenarios[a])).collect();
+    chain.reverse();
+    chain
+}
+
+struct Player<'m, 'e> {
+    run: Run<'m>,
+    /// What `always` and `never` have begun to watch, with the line.
+    watches: Vec<(&'m Condition, bool, &'m Step)>,
+    each: &'e mut dyn FnMut(u64, &Frame),
+}
+
+type Played = Result<(), Box<Failure>>;
+
+impl<'m> Player<'m, '_> {
+    fn steps(&mut self, steps: &'m [Step]) -> Played {
+        steps.iter().try_for_each(|step| self.step(step))
+    }
+
+    fn step(&mut self, step: &'m Step) -> Played {
+        match &step.doing {
+            Doing::Set(values) => {
+                for &(given, value) in values {
+                    self.run.plant().set(given, value);
+                }
+                Ok(())
+            }
+            Doing::Press(given, scans) => self.press(given, *scans),
+            Doing::Force(values) => {
+                for &(input, value) in values {
+                    self.run.plant().force(input, Some(value));
+                }
+                Ok(())
+            }
+            Doing::Release(inputs) => {
+                for &input in inputs {
+                    self.run.plant().force(input, None);
+                }
+                Ok(())
+            }
+            Doing::Place(actuator, position) => {
+                let machine = self.run.machine();
+                self.run.plant().place(machine, *actuator, *position);
+                Ok(())
+            }
+            Doing::Wait(scans) => (0..*scans).try_for_each(|_| self.scan()),
+            Doing::Until(condition, within) => {
+                for _ in 0..*within {
+                    self.scan()?;
+                    if self.run.holds(condition) {
+                        return Ok(());
+                    }
+                }
+                Err(self.failure(Expectation::Within(*within), step, condition))
+            }
+            Doing::Expect(condition) if self.run.holds(condition) => Ok(()),
+            Doing::Expect(condition) => Err(self.failure(Expectation::Now, step, condition)),
+            Doing::Watch(condition, value) => {
+                self.watches.push((condition, *value, step));
+                Ok(())
+            }
+            Doing::Repeat(times, steps) => (0..*times).try_for_each(|_| self.steps(steps)),
+        }
+    }
+
+    /// A press is an edge: what is pressed was FALSE in the scan before, or there was none yet.
+    fn press(&mut self, given: &[Given], scans: u32) -> Played {
+        let layout = *self.run.layout();
+        for &g in given {
+            self.run.plant().set(g, false);
+        }
+        if self.run.scans() == 0 || given.iter().any(|&g| self.run.frame()[layout.place(g)]) {
+            self.scan()?;
+        }
+        for &g in given {
+            self.run.plant().set(g, true);
+        }
+        (0..scans).try_for_each(|_| self.scan())?;
+        for &g in given {
+            self.run.plant().set(g, false);
+        }
+        Ok(())
+    }
+
+    fn scan(&mut self) -> Played {
+        self.run.scan();
+        (self.each)(self.run.scans(), self.run.frame());
+        for &(condition, value, step) in &self.watches {
+            if self.run.holds(condition) != value {
+                let kind = if value { Expectation::Always } else { Expectation::Never };
+                return Err(self.failure(kind, step, condition));
+            }
+        }
+        Ok(())
+    }
+
+    fn failure(&self, kind: Expectation, step: &Step, condition: &Condition) -> Box<Failure> {
+        Box::new(Failure {
+            kind,
+            span: step.span,
+            text: step.text.clone(),
+            scan: self.run.scans(),
+            values: self.run.values(condition),
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! Models built, written, read back and proved, and runs of a proof's two sides on the simulators.
+
+use chartwright::ir::chart::Machine;
+use chartwright::ir::iec;
+use chartwright::pipeline::{self, Dialect, Options, Output};
+use chartwright::prove::joint::Stimulus;
+use chartwright::prove::parts::Part;
+use chartwright::prove::{Correspondence, Verdict, equivalence};
+use chartwright::read;
+use chartwright::simulate::chart::Chart;
+use chartwright::simulate::plc::Plc;
+
+/// Builds a model, or says what is wrong with it.
+pub fn build(source: &str, dialect: Dialect) -> Result<Output, String> {
+    let options = Options { dialect, created: "1970-01-01T00:00:00".to_owned(), prove: false };
+    let (output, diagnostics) = pipeline::build(source, &options);
+    output.ok_or_else(|| diagnostics.iter().map(|d| format!("{} {}\n", d.code.number(), d.message)).collect())
+}
+
+/// The program that a reader finds in what the compiler writes.
+pub fn read_back(output: &Output) -> iec::Project {
+    let (program, diagnostics) = read::read(&output.xml);
+    program.unwrap_or_else(|| panic!("{diagnostics:?}"))
+}
+
+/// What the proof says of a model's own program.
+pub fn verdict(output: &Output) -> Verdict {
+    equivalence(&output.machine, &Correspondence::of(&output.machine, &output.project), &read_back(output))
+}
+
+/// Chart and program on the simulators, which share nothing with the proof but the meaning.
+pub struct Simulated<'a> {
+    machine: &'a Machine,
+    names: &'a Correspondence,
+    program: &'a iec::Project,
+    chart: Chart,
+    plc: Plc,
+    now: iec::Time,
+}
+
+impl<'a> Simulated<'a> {
+    pub fn new(machine: &'a Machine, names: &'a Correspondence, program: &'a iec::Project) -> Self {
+        Simulated { machine, names, program, chart: Chart::new(machine), plc: Plc::new(program), now: 0 }
+    }
+
+    /// One scan of both. The chart's simulator knows no other pause than the cycle time.
+    pub fn scan(&mut self, stimulus: &Stimulus) {
+        if self.plc.scans() > 0 {
+            self.now += stimulus.pause;
+        }
+        self.chart.scan(&stimulus.inputs);
+        for (name, &value) in self.names.inputs.iter().zip(&stimulus.inputs) {
+            self.plc.write(self.program.global(name).expect("inputs are globals"), i64::from(value));
+        }
+        self.plc.scan(self.now);
+    }
+
+    /// The value of a part in the chart, if its simulator shows it.
+    pub fn chart(&self, part: Part) -> Option<bool> {
+        Some(match part {
+            Part::Flag(s) | Part::Step(s) => self.chart.is_active(s),
+            Part::Output(o) => self.chart.output(o),
+            Part::Variable(v) => self.chart.variable(v),
+            Part::Command(o) => self.chart.command(o),
+            Part::Acted(c) => self.chart.acted(c),
+            Part::Broken(a) => self.chart.broken(a),
+            Part::Input(i) => self.chart.input(i),
+            Part::Begins(_) => return None,
+        })
+    }
+
+    /// The value of a part in the program, if its simulator shows it.
+    pub fn program(&self, part: Part) -> Option<bool> {
+        let name = match part {
+            Part::Step(s) => {
+                let (kind, step) = self.names.steps[s.index()].as_ref()?;
+                let (p, program) = self.program.programs.iter().enumerate().find(|(_, p)| p.kind == *kind)?;
+                let iec::Body::Sfc(sfc) = &program.body else { return None };
+                let id = sfc.steps.iter().find(|(_, s)| s.name == *step)?.0;
+                return Some(self.plc.is_active(p, id));
+            }
+            Part::Flag(s) => Some(&self.names.flags[s.index()]),
+            Part::Output(o) => Some(&self.names.outputs[o.index()]),
+            Part::Variable(v) => Some(&self.names.variables[v.index()]),
+            Part::Command(o) => self.names.commands[o.index()].as_ref(),
+            Part::Acted(c) => self.names.acted[c.index()].as_ref(),
+            Part::Broken(a) => self.names.broken[a].as_ref(),
+            Part::Input(i) => Some(&self.names.inputs[i.index()]),
+            Part::Begins(_) => None,
+        };
+        Some(self.plc.read(self.program.global(name?)?) == 1)
+    }
+
+    /// What is said of a part, for messages.
+    pub fn describe(&self, part: Part) -> String {
+        part.describe(self.machine)
+    }
+}

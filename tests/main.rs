@@ -16,6 +16,7 @@ mod reading;
 mod regressions;
 mod scans;
 mod scenarios;
+mod simulate_chart;
 mod snapshots;
 mod stability;
 mod support;

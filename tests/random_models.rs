@@ -29,8 +29,7 @@ fn assert_none(fault: impl Fn(&str, u64) -> Option<String> + Copy + std::panic::
         let model = random::model(seed);
         if let Some(what) = fault(&model, seed) {
             println!("model {seed}: {what}\nlooking for a small one");
-            let small =
-                shrink::shrink(&model, |smaller| std::env::var("NOSHRINK").is_err() && fault(smaller, seed).is_some());
+            let small = shrink::shrink(&model, |smaller| fault(smaller, seed).is_some());
             let what = fault(&small, seed).expect("the small one fails, too");
             panic!("model {seed}\n{}\n{what}", items::text(&small));
         }

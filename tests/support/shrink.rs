@@ -105,10 +105,8 @@ fn shorter(text: &str) -> Vec<String> {
             found.push(before.into());
         }
     }
-    for word in ["initial ", "final ", " xor ", " or "] {
-        if text.contains(word) {
-            found.push(text.replacen(word, if word.starts_with(' ') { " and " } else { "" }, 1));
-        }
+    for word in ["initial ", "final "] {
+        found.push(text.replacen(word, "", 1));
     }
     if let Some((before, rest)) = text.split_once(" priority ") {
         let after = rest.split_once(' ').map(|(_, after)| format!(" {after}")).unwrap_or_default();
@@ -131,6 +129,8 @@ fn shorter(text: &str) -> Vec<String> {
             found.push(format!("{before}{keyword}{}{}{after}", &condition[..at], &condition[at + 4..]));
         }
     }
+    // What is not shorter would be proposed for ever.
+    found.retain(|f| f.len() < text.len());
     found
 }
 

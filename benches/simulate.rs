@@ -4,8 +4,10 @@
 //! `cargo bench --bench simulate`.
 
 use chartwright::ir::chart::Machine;
-use chartwright::pipeline;
+use chartwright::pipeline::{self, Dialect, Options};
+use chartwright::read;
 use chartwright::simulate::chart::Chart;
+use chartwright::simulate::plc::Plc;
 use divan::{Bencher, counter::ItemsCount};
 
 /// How many scans are run and counted together.
@@ -80,4 +82,26 @@ fn indexa_chance(bencher: Bencher) {
         })
         .collect();
     run(bencher, &machine, &inputs);
+}
+
+/// The same script on the PLC program, read back from XML.
+#[divan::bench]
+fn indexa_cycle_plc(bencher: Bencher) {
+    let options = Options { dialect: Dialect::Beremiz, created: "1970-01-01T00:00:00".into(), prove: false };
+    let output = pipeline::build(&repository("models/indexa.chart"), &options).0.expect("INDEXA has no errors");
+    let project = read::read(&output.xml).0.expect("what is written can be read");
+    let inputs = scripted(&output.machine);
+    let names = output.machine.inputs.values();
+    let ids: Vec<_> = names.map(|i| project.global(&i.name).expect("an input has a variable")).collect();
+    let mut plc = Plc::new(&project);
+    let mut now = 0;
+    bencher.counter(ItemsCount::new(SCANS)).bench_local(|| {
+        for values in inputs.iter().cycle().take(SCANS) {
+            for (&id, &value) in ids.iter().zip(values) {
+                plc.write(id, i64::from(value));
+            }
+            plc.scan(now);
+            now += 10_000;
+        }
+    });
 }

@@ -6,7 +6,6 @@ use chartwright::ir::iec::{Kind, Project, Scope};
 use chartwright::simulate::plc::Plc;
 use chartwright::simulate::trace::{Inputs, Row, Trace};
 use chartwright::{pipeline, read};
-use std::time::Instant;
 
 const DIALECTS: [Dialect; 2] = [Dialect::Beremiz, Dialect::Codesys];
 
@@ -111,24 +110,4 @@ fn traces_are_read_as_they_are_written() {
     {
         assert!(Inputs::parse(wrong).unwrap_err().contains(part), "{wrong}");
     }
-}
-
-/// Printed, not asserted: machines differ. `cargo test --release -- --ignored --nocapture`.
-#[test]
-#[ignore = "measures"]
-fn speed() {
-    let project = build("indexa", Dialect::Beremiz);
-    let inputs = random_inputs(&project, 1000, 1);
-    let ids: Vec<_> = inputs.names.iter().map(|n| project.global(n).expect("an input")).collect();
-    let mut plc = Plc::new(&project);
-    let start = Instant::now();
-    let scans = 200_000;
-    for scan in 0..scans {
-        for &(name, value) in inputs.before(scan % 1000) {
-            plc.write(ids[name], value);
-        }
-        plc.scan(scan as i64 * 10_000);
-    }
-    let seconds = start.elapsed().as_secs_f64();
-    println!("{scans} scans of indexa in {seconds:.2} s: {:.0} scans per second", scans as f64 / seconds);
 }

@@ -9,6 +9,7 @@ mod layers;
 mod layout;
 mod licences;
 mod mutants;
+mod never_entered;
 mod program_mutants;
 mod prove;
 mod random_models;

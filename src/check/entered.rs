@@ -1,13 +1,14 @@
 //! Every state can be entered, as far as the shape of the chart decides it.
 
+use super::dead::dead;
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::{Machine, RegionId, StateId};
-use crate::ir::expr::Expr;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut leaving = vec![Vec::new(); machine.states.len()];
-    for (id, t) in machine.transitions.iter() {
-        if t.guard != Expr::FALSE {
+    // A transition that can never fire enters nothing, and no step of a program would lead there.
+    for ((id, t), dead) in machine.transitions.iter().zip(dead(machine)) {
+        if dead.is_none() {
             leaving[t.source.index()].push(id);
         }
     }

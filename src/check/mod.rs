@@ -9,6 +9,7 @@
 //!   absence of opposite reliefs, under the declared assumptions).
 
 mod coherence;
+mod dead;
 mod done;
 mod entered;
 mod fires;

@@ -1,0 +1,41 @@
+//! Transitions that can never fire, as far as constant guards decide it.
+
+use crate::ir::chart::{Machine, TransitionId};
+use crate::ir::expr::Expr;
+
+/// Why a transition can never fire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dead {
+    /// Its guard is FALSE.
+    NeverEnabled,
+    /// Whenever it is enabled, this one is tried before it and fires.
+    Beaten(TransitionId),
+}
+
+/// For each transition, why it can never fire, if it cannot.
+pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
+    // For each state, the transitions that always fire when it is active, with their rank.
+    let mut always = vec![Vec::new(); machine.states.len()];
+    let mut rank = vec![0; machine.transitions.len()];
+    for list in &machine.scoped() {
+        for (i, &id) in list.iter().enumerate() {
+            rank[id.index()] = i;
+            if machine.transitions[id].guard == Expr::TRUE {
+                always[machine.transitions[id].source.index()].push(id);
+            }
+        }
+    }
+    // Outer scopes are tried first, then by rank.
+    let key = |id: TransitionId| {
+        let scope = machine.transitions[id].scope;
+        (machine.regions[scope].parent.map_or(0, |p| machine.states[p].depth + 1), rank[id.index()])
+    };
+    let judge = |(id, t): (TransitionId, &crate::ir::chart::Transition)| {
+        if t.guard == Expr::FALSE {
+            return Some(Dead::NeverEnabled);
+        }
+        let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
+        rivals.find(|&o| key(o) < key(id)).map(Dead::Beaten)
+    };
+    machine.transitions.iter().map(judge).collect()
+}

@@ -14,10 +14,19 @@
 //!
 //! - in each region exactly one state is active, or none if its parent is not;
 //! - the idle step of each SFC is active exactly while the region's parent is not;
+//! - a timer starts in exactly those scans that are the first to begin in its state, and while that state
+//!   is active it remembers since when, and whether its time has passed, as the chart does;
 //! - what else the program remembers and reads again holds what [`induction::guess`] has found for it:
 //!   an input of the last scan, that the first scan is over, and the like;
 //! - the filter is at rest after the number of rounds that the chart's side is given
 //!   ([`chart_filter::rounds`]), and the products of a constraint say the same as its expression.
+//!
+//! When a time has passed is left open, the same on both sides: so the proof holds for every course of
+//! time, that of a late scan included.
+//!
+//! That is enough for what the compiler writes. A program that was changed by hand may need more: then
+//! the induction looks some scans back, and learns [`lemmas`](super::lemmas) about what a chart cannot
+//! reach. If it still fails, [`search`](mod@search) looks for a run that shows why.
 
 use super::chart_filter;
 use super::chart_step::ChartStep;

@@ -143,18 +143,21 @@ pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) ->
             by_values.entry(signature(&samples, lit)).or_insert(meaning);
         }
     }
+    let power_up = pair.program.power_up();
     let mut found = 0;
     for latch in matter {
         let lit = after[latch];
         let signature = signature(&samples, lit);
+        // Values that never change say nothing: what they would hint at happens too rarely.
+        let varies = signature.iter().any(|w| *w != 0 && *w != u64::MAX);
+        let alike = || by_values.get(&signature).filter(|_| varies).copied();
         let meaning = match lit.constant() {
             Some(value) => Some(Meaning::Constant(value)),
-            // Values that never change say nothing: what they would hint at happens too rarely.
-            None => by_structure
-                .get(&lit)
-                .or_else(|| by_values.get(&signature).filter(|_| !signature.iter().all(|w| *w == 0 || *w == u64::MAX)))
-                .copied(),
+            None => by_structure.get(&lit).copied().or_else(alike),
         };
+        // Or nothing ever changes it, such as a coil that only resets.
+        let kept = || power_up[latch].constant().map(Meaning::Constant);
+        let meaning = meaning.or_else(kept);
         found += usize::from(meaning.is_some());
         matched.guessed[latch] = meaning.is_some();
         matched.meanings[latch] = meaning;

@@ -35,6 +35,14 @@ pub struct ChartState {
     pub past: Vec<Lit>,
 }
 
+impl ChartState {
+    /// All of it in one row: states, variables, inputs, outputs, timers.
+    pub fn bits(&self) -> Vec<Lit> {
+        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
+        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+    }
+}
+
 /// What happens in one scan.
 #[derive(Clone, Debug)]
 pub struct ChartScan {

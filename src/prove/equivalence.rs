@@ -14,16 +14,26 @@
 //!
 //! - in each region exactly one state is active, or none if its parent is not;
 //! - the idle step of each SFC is active exactly while the region's parent is not;
+//! - a timer starts in exactly those scans that are the first to begin in its state, and while that state
+//!   is active it remembers since when, and whether its time has passed, as the chart does;
 //! - what else the program remembers and reads again holds what [`induction::guess`] has found for it:
 //!   an input of the last scan, that the first scan is over, and the like;
 //! - the filter is at rest after the number of rounds that the chart's side is given
 //!   ([`chart_filter::rounds`]), and the products of a constraint say the same as its expression.
+//!
+//! When a time has passed is left open, the same on both sides: so the proof holds for every course of
+//! time, that of a late scan included.
+//!
+//! That is enough for what the compiler writes. A program that was changed by hand may need more: then
+//! the induction looks some scans back, and learns [`lemmas`](super::lemmas) about what a chart cannot
+//! reach. If it still fails, [`search`](mod@search) looks for a run that shows why.
 
 use super::chart_filter;
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
 use super::induction::{self, Claim, Count, Failure, Situation};
 use super::joint::Joint;
+use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
 use super::program_step::ProgramStep;
 use super::sat::{self, Sat};
@@ -59,6 +69,8 @@ pub struct Statistics {
     pub meanings: usize,
     /// How many scans back the induction had to look: 0 unless the program is written unusually.
     pub history: usize,
+    /// How many lemmas about what cannot be reached it needed: likewise.
+    pub lemmas: usize,
     /// Rounds after which the filter was proved to be at rest.
     pub rounds: usize,
     /// Claims about the first scan.
@@ -133,13 +145,14 @@ fn attempt(
     let mut matched = Match::of(pair, names, project)?;
     let mut hopeless = BTreeSet::new();
     let mut joint = None;
+    let mut lemmas = Lemmas::new(pair);
 
     let mut history = 0;
     let mut failures = loop {
         while induction::guess(pair, &mut matched, &hopeless) > 0 {}
         let (base, mut failures) = induction::base(pair, &matched, history + 1, &mut sat);
         if failures.is_empty() {
-            let (step, later) = induction::step(pair, &matched, history, &mut sat);
+            let (step, later) = induction::step(pair, &matched, history, &lemmas, &mut sat);
             failures = later;
             if failures.is_empty() && matched.missing.is_empty() {
                 let meanings = matched.meanings.iter().flatten().count();
@@ -151,6 +164,7 @@ fn attempt(
                     meanings,
                     rounds,
                     history,
+                    lemmas: lemmas.never().len(),
                     base,
                     step,
                     effort,
@@ -179,7 +193,10 @@ fn attempt(
         } else if history < HISTORY {
             history += 1;
         } else {
-            break failures;
+            let from = failures.iter().find_map(|f| f.from.as_ref());
+            if !from.is_some_and(|from| lemmas.exclude(&from.memory)) {
+                break failures;
+            }
         }
     };
     if let Some(both) = &joint
@@ -220,15 +237,14 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
 
 /// A situation in words: innermost active states, then what else is TRUE.
 fn describe(machine: &Machine, s: &Situation) -> String {
-    let innermost = machine.states.iter().filter(|(id, state)| s.active[id.index()] && state.regions.is_empty());
+    let innermost = machine.states.iter().filter(|(id, state)| s.memory[id.index()] && state.regions.is_empty());
     let mut parts: Vec<String> = innermost.map(|(id, _)| format!("in({})", machine.state_path(id))).collect();
-    let mut add = |prefix: &str, values: &[bool], names: Vec<&String>, suffix: &str| {
-        let named = values.iter().zip(names).filter(|(v, _)| **v);
-        parts.extend(named.map(|(_, n)| format!("{prefix}{n}{suffix}")));
-    };
-    add("", &s.variables, machine.variables.values().map(|v| &v.name).collect(), "");
-    add("prev(", &s.previous, machine.inputs.values().map(|i| &i.name).collect(), ")");
-    add("prev(", &s.outputs, machine.outputs.values().map(|o| &o.name).collect(), ")");
-    add("", &s.inputs, machine.inputs.values().map(|i| &i.name).collect(), "");
+    let variables = machine.variables.values().map(|v| v.name.clone());
+    let inputs = machine.inputs.values().map(|i| format!("prev({})", i.name));
+    let outputs = machine.outputs.values().map(|o| format!("prev({})", o.name));
+    let remembered = s.memory.iter().skip(machine.states.len()).zip(variables.chain(inputs).chain(outputs));
+    parts.extend(remembered.filter(|(v, _)| **v).map(|(_, name)| name));
+    let now = s.inputs.iter().zip(machine.inputs.values());
+    parts.extend(now.filter(|(v, _)| **v).map(|(_, input)| input.name.clone()));
     parts.join(", ")
 }

@@ -10,6 +10,7 @@
 use super::aig::{Aig, Lit, lanes};
 use super::chart_step::{ChartScan, ChartState};
 use super::configuration;
+use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
 use super::parts::{Meaning, Part};
 use super::program_step::{ProgramState, ProgramStep};
@@ -43,17 +44,11 @@ pub struct Failure {
     pub from: Option<Situation>,
 }
 
-/// Memory of the chart and inputs, with values.
+/// From where a scan goes wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Situation {
-    /// For each state, whether it is active.
-    pub active: Vec<bool>,
-    /// For each variable, its value.
-    pub variables: Vec<bool>,
-    /// For each input, its value in the last scan.
-    pub previous: Vec<bool>,
-    /// For each output, its value in the last scan.
-    pub outputs: Vec<bool>,
+    /// What the chart remembers, as [`ChartState::bits`] orders it.
+    pub memory: Vec<bool>,
     /// For each input, its value in this scan.
     pub inputs: Vec<bool>,
 }
@@ -100,13 +95,22 @@ pub fn base(pair: Pair<'_>, matched: &Match, scans: usize, sat: &mut Sat) -> (Co
     (compare.count, failures)
 }
 
-/// Any later scan, from every configuration and every value of all that is remembered, if the claims
-/// have held in as many scans before it as `history` says.
-pub fn step(pair: Pair<'_>, matched: &Match, history: usize, sat: &mut Sat) -> (Count, Vec<Failure>) {
+/// Any later scan, from every configuration that `lemmas` do not exclude and every value of all that is
+/// remembered, if the claims have held in as many scans before it as `history` says.
+pub fn step(
+    pair: Pair<'_>,
+    matched: &Match,
+    history: usize,
+    lemmas: &Lemmas<'_>,
+    sat: &mut Sat,
+) -> (Count, Vec<Failure>) {
     let mut both = Both::anywhere(pair, matched);
+    both.given = lemmas.hold(&mut both.aig, &both.before);
     for _ in 0..history {
         let state = both.presume(matched);
         both = both.next(state);
+        let hold = lemmas.hold(&mut both.aig, &both.before);
+        both.given = both.aig.and(both.given, hold);
     }
     let mut compare = Compare::new(sat);
     let (_, failures) = both.examine(matched, &mut compare);
@@ -139,18 +143,21 @@ pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) ->
             by_values.entry(signature(&samples, lit)).or_insert(meaning);
         }
     }
+    let power_up = pair.program.power_up();
     let mut found = 0;
     for latch in matter {
         let lit = after[latch];
         let signature = signature(&samples, lit);
+        // Values that never change say nothing: what they would hint at happens too rarely.
+        let varies = signature.iter().any(|w| *w != 0 && *w != u64::MAX);
+        let alike = || by_values.get(&signature).filter(|_| varies).copied();
         let meaning = match lit.constant() {
             Some(value) => Some(Meaning::Constant(value)),
-            // Values that never change say nothing: what they would hint at happens too rarely.
-            None => by_structure
-                .get(&lit)
-                .or_else(|| by_values.get(&signature).filter(|_| !signature.iter().all(|w| *w == 0 || *w == u64::MAX)))
-                .copied(),
+            None => by_structure.get(&lit).copied().or_else(alike),
         };
+        // Or nothing ever changes it, such as a coil that only resets.
+        let kept = || power_up[latch].constant().map(Meaning::Constant);
+        let meaning = meaning.or_else(kept);
         found += usize::from(meaning.is_some());
         matched.guessed[latch] = meaning.is_some();
         matched.meanings[latch] = meaning;
@@ -334,13 +341,7 @@ impl<'a> Both<'a> {
     fn read(&self, model: &Model) -> Situation {
         let values = model.evaluate(&self.aig);
         let read = |lits: &[Lit]| lits.iter().map(|&l| lanes(&values, l) & 1 == 1).collect();
-        Situation {
-            active: read(&self.before.active),
-            variables: read(&self.before.variables),
-            previous: read(&self.before.inputs),
-            outputs: read(&self.before.outputs),
-            inputs: read(&self.inputs),
-        }
+        Situation { memory: read(&self.before.bits()), inputs: read(&self.inputs) }
     }
 }
 

@@ -80,8 +80,7 @@ impl Joint {
                 pairs.into_iter().zip(visible).filter(|(_, v)| *v).map(|((a, b), _)| aig.xor(a, b)).collect();
             let differs = aig.any(&differ);
             let kept = after.iter().zip(&remembered).filter(|(_, kept)| **kept).map(|(l, _)| *l);
-            let ChartState { active, variables, inputs, outputs, fresh, past } = scan.after;
-            let next = [active, variables, inputs, outputs, fresh, past].into_iter().flatten().chain(kept).collect();
+            let next = scan.after.bits().into_iter().chain(kept).collect();
             let starts = timers.iter().map(|&b| after[program.block(crate::base::Id::from_index(b)) + 3]);
             let begins = scan.begins.into_iter().chain(starts).collect();
             Half { aig, next, fires: scan.fires, chart: expected, program: found, differs, begins }

@@ -9,6 +9,7 @@
 //! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
 //! | [`induction`] | first scan and any later scan, claim by claim |
+//! | [`lemmas`] | what a chart can never reach, where the induction asks for it |
 //! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`trace`] | the run that shows it, as a table |
 //! | [`mod@equivalence`] | all of it, in order |
@@ -24,6 +25,7 @@ pub mod correspondence;
 pub mod equivalence;
 pub mod induction;
 pub mod joint;
+pub mod lemmas;
 pub mod matching;
 pub mod parts;
 pub mod program_step;

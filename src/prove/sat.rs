@@ -81,6 +81,8 @@ pub struct Sat {
     told: Vec<u32>,
     round: u32,
     leaves: Vec<(u32, batsat::Var)>,
+    /// Whether a goal of the last question was FALSE by itself.
+    hopeless: bool,
     effort: Effort,
 }
 
@@ -99,6 +101,7 @@ impl Sat {
             told: Vec::new(),
             round: 1,
             leaves: Vec::new(),
+            hopeless: false,
             effort: Effort::default(),
         }
     }
@@ -122,7 +125,8 @@ impl Sat {
 
     /// Whether all of `goals` can be TRUE together.
     pub fn ask(&mut self, aig: &Aig, goals: &[Lit], budget: Budget) -> Answer {
-        if goals.contains(&Lit::FALSE) {
+        self.hopeless = goals.contains(&Lit::FALSE);
+        if self.hopeless {
             return Answer::Never;
         }
         self.effort.questions += 1;
@@ -140,6 +144,15 @@ impl Sat {
             Answer::Never
         } else {
             Answer::GaveUp
+        }
+    }
+
+    /// After [`Answer::Never`]: whether this goal was among those that already exclude each other.
+    pub fn was_needed(&self, goal: Lit) -> bool {
+        match goal.constant() {
+            Some(value) => !value,
+            // The solver keeps the opposites of the assumptions that clash.
+            None => !self.hopeless && self.solver.unsat_core_contains_lit(!self.literal(goal)),
         }
     }
 
@@ -217,6 +230,9 @@ mod tests {
         assert_eq!(super::super::aig::lanes(&values, y), u64::MAX);
         assert!(model.leaf(2));
         assert!(matches!(sat.ask(&aig, &[y, c, a, b], Budget::PROOF), Answer::Never));
+        assert!(sat.was_needed(a) && sat.was_needed(b));
+        assert!(matches!(sat.ask(&aig, &[c, !a, x, !b], Budget::PROOF), Answer::Never));
+        assert!(!sat.was_needed(c) && sat.was_needed(x));
         // What was asked before leaves no trace.
         assert!(matches!(sat.ask(&aig, &[y], Budget::PROOF), Answer::Sometimes(_)));
     }

@@ -13,8 +13,8 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
-use super::aig::{Aig, Lit};
 use super::chart_filter;
+use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
 use std::collections::{BTreeMap, HashMap};
 

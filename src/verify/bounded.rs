@@ -27,11 +27,8 @@ impl<'s, 'a> Bounded<'s, 'a> {
         let roots: Vec<Lit> = system.constraints.iter().chain(bads).copied().collect();
         let (latches, _) = system.cone(&roots);
         let mut aig = Aig::new();
-        let initial: Vec<Lit> = system
-            .latches
-            .iter()
-            .map(|l| l.initial.map_or_else(|| aig.leaf(system.name(l.leaf)), Lit::of))
-            .collect();
+        let initial: Vec<Lit> =
+            system.latches.iter().map(|l| l.initial.map_or_else(|| aig.leaf(system.name(l.leaf)), Lit::of)).collect();
         Bounded {
             system,
             latches,

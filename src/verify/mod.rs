@@ -7,6 +7,7 @@
 //! | [`symbolic`] | all reachable states, with [`bdd`], [`order`] and [`relation`] |
 //! | [`bounded`] | shortest runs, by a [`solver`] |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
+//! | [`export`] | for other tools, and their runs back |
 //! | [`limits`] | how much they may spend, and why they gave up |
 //!
 //! Nothing here knows of charts.
@@ -16,6 +17,7 @@ pub mod bounded;
 pub mod certificate;
 pub mod count;
 pub mod engine;
+pub mod export;
 pub mod limits;
 pub mod order;
 pub mod pdr;
@@ -24,7 +26,7 @@ pub mod solver;
 pub mod symbolic;
 pub mod system;
 
-pub use crate::prove::{aig, sat};
+pub use crate::bits::{aig, sat};
 pub use engine::{Choice, Engine, Finding, Progress, Report, Verdict, check};
 pub use limits::{Limit, Limits};
 pub use system::{Claim, Giver, Input, Latch, Property, System, Trace};

@@ -55,9 +55,7 @@ pub fn force(system: &System, latches: &[usize], nodes: &[usize]) -> Vec<Option<
             }
         }
         for &n in &order {
-            if pull[n].1 > 0 {
-                place[n] = pull[n].0 / pull[n].1;
-            }
+            place[n] = pull[n].0.checked_div(pull[n].1).unwrap_or(place[n]);
         }
         rank(&mut order, &mut place);
         let length = length(&wires, &place);

@@ -59,6 +59,8 @@ pub struct Machine {
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
     pub safety: Vec<Safety>,
+    /// What stands in all `properties { … }`, in order.
+    pub properties: Vec<Property>,
     /// All `plant { … }` in order.
     pub plants: Vec<Plant>,
     /// All `scenario …` in order.
@@ -377,6 +379,44 @@ pub struct Constraint {
     pub yields: Vec<Name>,
     /// Why, in words for the operator.
     pub text: Option<Text>,
+}
+
+/// `P1: always possible E "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Property {
+    /// Its name.
+    pub name: Name,
+    /// In which runs and how often.
+    pub kind: PropertyKind,
+    /// What, at the end of a scan.
+    pub condition: Guard,
+    /// Why, in words.
+    pub text: Option<Text>,
+}
+
+/// In which runs, and how often, a property's condition holds at the end of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PropertyKind {
+    /// In no scan of any run.
+    Never,
+    /// In all scans of all runs.
+    Always,
+    /// In a scan of a run.
+    Reachable,
+    /// Every run can go on to a scan in which it does.
+    AlwaysPossible,
+}
+
+impl PropertyKind {
+    /// The words of the language.
+    pub fn words(self) -> &'static str {
+        match self {
+            PropertyKind::Never => "never",
+            PropertyKind::Always => "always",
+            PropertyKind::Reachable => "reachable",
+            PropertyKind::AlwaysPossible => "always possible",
+        }
+    }
 }
 
 /// A time: `100ms`, `2s`, `3 scans`.

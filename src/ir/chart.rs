@@ -34,7 +34,7 @@
 //! The first scan enters the initial states, their entries included, and takes no transition.
 
 use super::expr::Expr;
-use super::scenario::{Plant, Scenario};
+use super::scenario::{Plant, Property, Scenario};
 use super::sop::Product;
 use crate::base::{Arena, Id, Span};
 
@@ -84,6 +84,8 @@ pub struct Machine {
     pub transitions: Arena<Transition>,
     /// What must never happen.
     pub safety: Safety,
+    /// What is said of all its runs, in order of declaration.
+    pub properties: Vec<Property>,
     /// How the machine's parts react.
     pub plant: Plant,
     /// Tests of the machine, in order of declaration.

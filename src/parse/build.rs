@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios};
+use super::{Rule, properties, scenarios};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -25,6 +25,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         actuators: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
+        properties: Vec::new(),
         plants: Vec::new(),
         scenarios: Vec::new(),
     };
@@ -39,6 +40,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
+            Rule::properties => properties::properties(p, bad, &mut tree.properties),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
             Rule::scenario => tree.scenarios.push(scenarios::scenario(p, bad)),
             Rule::bad_part => bad.push(p),

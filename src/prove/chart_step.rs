@@ -43,6 +43,21 @@ impl ChartState {
         let ChartState { active, variables, inputs, outputs, fresh, past, marks } = self;
         [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten().copied().collect()
     }
+
+    /// The same with other bits, made in the order of [`ChartState::bits`].
+    #[must_use]
+    pub fn map(&self, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
+        let mut each = |lits: &[Lit]| -> Vec<Lit> { lits.iter().map(|&l| f(l)).collect() };
+        ChartState {
+            active: each(&self.active),
+            variables: each(&self.variables),
+            inputs: each(&self.inputs),
+            outputs: each(&self.outputs),
+            fresh: each(&self.fresh),
+            past: each(&self.past),
+            marks: each(&self.marks),
+        }
+    }
 }
 
 /// What happens in one scan.
@@ -112,14 +127,32 @@ impl<'m> ChartStep<'m> {
 
     /// Any later scan. `clocks` says for each timer whether its time has passed by now, if it runs.
     pub fn scan(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], clocks: &[Lit]) -> ChartScan {
+        let elapsed = self.elapsed(aig, before, clocks);
+        let fires = self.fires(aig, before, inputs, &elapsed);
+        self.rest(aig, before, inputs, fires, &elapsed, Lit::FALSE)
+    }
+
+    /// For each timer, whether its time has passed in a later scan.
+    fn elapsed(&self, aig: &mut Aig, before: &ChartState, clocks: &[Lit]) -> Vec<Lit> {
         let mut elapsed = Vec::new();
         for ((s, _), &i) in &self.timers {
             let passed = aig.or(before.past[i], clocks[i]);
             let waits = aig.and(before.active[s.index()], !before.fresh[i]);
             elapsed.push(aig.and(waits, passed));
         }
-        let fires = self.fires(aig, before, inputs, &elapsed);
-        self.rest(aig, before, inputs, fires, &elapsed, Lit::FALSE)
+        elapsed
+    }
+
+    /// For each transition, whether its source is active and its guard holds in a later scan.
+    pub fn enabled(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], clocks: &[Lit]) -> Vec<Lit> {
+        let elapsed = &self.elapsed(aig, before, clocks);
+        let reading =
+            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
+        let enabled = self.machine.transitions.values().map(|t| {
+            let guard = reading.guard(aig, &t.guard);
+            aig.and(before.active[t.source.index()], guard)
+        });
+        enabled.collect()
     }
 
     /// Which transitions fire.

@@ -13,13 +13,15 @@
 //! 5. [`behaviour`]: what states drive, set and reset
 //! 6. [`safety`]: constraints and assumptions, split into products
 //! 7. [`plant`]: actuators that travel, rules for other inputs
-//! 8. [`scenarios`]: tests of the machine, times in scans
+//! 8. [`properties`]: what is said of all runs
+//! 9. [`scenarios`]: tests of the machine, times in scans
 
 mod actuators;
 mod behaviour;
 mod expressions;
 mod names;
 mod plant;
+mod properties;
 mod safety;
 mod scenarios;
 mod seen;
@@ -51,6 +53,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     behaviour::resolve(&mut resolver, &bodies);
     safety::resolve(&mut resolver, tree);
     plant::resolve(&mut resolver, tree);
+    properties::resolve(&mut resolver, tree);
     scenarios::resolve(&mut resolver, tree);
     (resolver.machine, resolver.diagnostics)
 }

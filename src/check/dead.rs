@@ -1,6 +1,6 @@
 //! Transitions that can never fire, as far as constant guards decide it.
 
-use crate::ir::chart::{Machine, TransitionId};
+use crate::ir::chart::{Machine, Phase, TransitionId};
 use crate::ir::expr::Expr;
 
 /// Why a transition can never fire.
@@ -14,10 +14,12 @@ pub enum Dead {
 
 /// For each transition, why it can never fire, if it cannot.
 pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
-    // For each state, the transitions that always fire when it is active, with their rank.
+    // For each state, the transitions that always fire when it is active and they are tried, with their
+    // rank.
     let mut always = vec![Vec::new(); machine.states.len()];
     let mut rank = vec![0; machine.transitions.len()];
-    for list in &machine.scoped() {
+    let (start, end) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
+    for list in start.iter().chain(&end) {
         for (i, &id) in list.iter().enumerate() {
             rank[id.index()] = i;
             if machine.transitions[id].guard == Expr::TRUE {
@@ -35,7 +37,7 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
             return Some(Dead::NeverEnabled);
         }
         let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
-        rivals.find(|&o| key(o) < key(id)).map(Dead::Beaten)
+        rivals.find(|&o| machine.transitions[o].phase == t.phase && key(o) < key(id)).map(Dead::Beaten)
     };
     machine.transitions.iter().map(judge).collect()
 }

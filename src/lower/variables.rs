@@ -6,21 +6,21 @@
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
-use crate::ir::chart::Atom;
+use crate::ir::chart::{Atom, ChartKind, Phase, Transition};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Ladder};
-use crate::ir::plc::Role;
+use crate::ir::ladder::{CoilKind, Ladder, Rung};
+use crate::ir::plc::{GlobalId, Role};
 
-pub fn lower(context: &mut Context<'_>) -> Ladder {
+/// What the step of charts of that kind does.
+pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
     let machine = context.machine;
     let count = machine.variables.len();
-    let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
-    for (id, t) in machine.transitions.iter() {
-        for &(v, value) in &t.effects {
-            let fires = Expr::Atom(context.fires(id));
-            effects[v.index()][usize::from(value)].push(fires);
-        }
+    let step = |t: &Transition| t.phase == Phase::Start && machine.kind(t.scope) == kind;
+    let mut firing = Vec::new();
+    for (id, t) in machine.transitions.iter().filter(|(_, t)| step(t) && !t.effects.is_empty()) {
+        firing.push((t, context.fires(id)));
     }
+    let mut rungs = effects(context, &firing);
     let mut actions: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
     let mut reads_written = false;
     let written: Vec<bool> = {
@@ -28,7 +28,7 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         machine.states.values().flat_map(|s| &s.actions).for_each(|a| written[a.variable.index()] = true);
         written
     };
-    for (id, state) in machine.states.iter() {
+    for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         for action in &state.actions {
             action.condition.for_each_atom(&mut |a| {
                 if let Atom::Variable(v) = a {
@@ -41,16 +41,6 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         }
     }
 
-    let mut rungs = Vec::new();
-    let word = |value: bool| if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) };
-    for (id, v) in machine.variables.iter() {
-        for value in [true, false] {
-            let by = std::mem::take(&mut effects[id.index()][usize::from(value)]);
-            let (verb, kind) = word(value);
-            let coil = (context.variables[id.index()], kind);
-            rung(context, &mut rungs, coil, &Expr::any(by), format!("transitions that {verb} {}", v.name));
-        }
-    }
     if reads_written {
         for (id, v) in machine.variables.iter() {
             for value in [true, false] {
@@ -77,4 +67,29 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         }
     }
     Ladder { rungs }
+}
+
+/// What transitions set and reset, each with the coil that says whether it fires.
+pub fn effects(context: &mut Context<'_>, firing: &[(&Transition, GlobalId)]) -> Vec<Rung> {
+    let machine = context.machine;
+    let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); machine.variables.len()];
+    for &(t, fires) in firing {
+        for &(v, value) in &t.effects {
+            effects[v.index()][usize::from(value)].push(Expr::Atom(fires));
+        }
+    }
+    let mut rungs = Vec::new();
+    for (id, v) in machine.variables.iter() {
+        for value in [true, false] {
+            let by = std::mem::take(&mut effects[id.index()][usize::from(value)]);
+            let (verb, kind) = word(value);
+            let coil = (context.variables[id.index()], kind);
+            rung(context, &mut rungs, coil, &Expr::any(by), format!("transitions that {verb} {}", v.name));
+        }
+    }
+    rungs
+}
+
+fn word(value: bool) -> (&'static str, CoilKind) {
+    if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) }
 }

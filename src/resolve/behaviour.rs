@@ -10,6 +10,14 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     for body in bodies {
         let Some(state) = body.state else { continue };
         let context = Context::Active { region: body.region };
+        if r.machine.observes(state) {
+            if let Some(drive) = body.body.drives.first() {
+                r.observes_only(drive.output.span, "it drives an output");
+            }
+            if let Some(action) = body.body.actions.first() {
+                r.observes_only(action.variable.span, "a state of it sets or resets a variable");
+            }
+        }
         for written in &body.body.drives {
             let condition = condition(r, &written.condition, &context);
             if let Some(output) = r.output(&written.output) {

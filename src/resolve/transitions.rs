@@ -65,7 +65,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
             return;
         };
         jump(r, written.span, source, target);
-        into.push(transition(written, source, target, scope, guard, effects));
+        into.push(transition(written, source, target, (scope, body.phase), guard, effects));
     }
 }
 
@@ -98,11 +98,12 @@ fn movement(
         let (guard, effects) = details(r, body, written, source);
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, body.region, guard, effects));
+            into.push(transition(written, source, state, (body.region, body.phase), guard, effects));
             into.push(chart::Transition {
                 source: state,
                 target,
                 scope: body.region,
+                phase: body.phase,
                 guard: sensor,
                 effects: Vec::new(),
                 priority: None,
@@ -198,7 +199,7 @@ fn details(
     source: chart::StateId,
 ) -> (Guard, Vec<(chart::VariableId, bool)>) {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
+        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
@@ -230,7 +231,7 @@ fn transition(
     written: &ast::Transition,
     source: chart::StateId,
     target: chart::StateId,
-    scope: chart::RegionId,
+    (scope, phase): (chart::RegionId, chart::Phase),
     guard: Guard,
     effects: Vec<(chart::VariableId, bool)>,
 ) -> chart::Transition {
@@ -238,6 +239,7 @@ fn transition(
         source,
         target,
         scope,
+        phase,
         guard,
         effects,
         priority: written.priority.map(|(n, _)| n),

@@ -4,6 +4,7 @@ mod cli;
 mod docs;
 mod emit;
 mod explain;
+mod indexa_by_chance;
 mod invalid;
 mod layers;
 mod layout;

@@ -12,7 +12,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
 fn reads(machine: &Machine, found: &mut Diagnostics) {
     let mut written = vec![None; machine.variables.len()];
     for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Control) {
-        t.effects.iter().for_each(|(v, _)| written[v.index()] = Some(t.span));
+        t.effects.iter().for_each(|e| written[e.variable.index()] = Some(e.span));
     }
     for state in machine.states.values() {
         state.actions.iter().for_each(|a| written[a.variable.index()] = Some(a.span));

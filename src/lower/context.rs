@@ -3,9 +3,7 @@
 use super::entries::Entries;
 use super::names::Names;
 use crate::base::{Arena, Span};
-use crate::ir::chart::{
-    Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId,
-};
+use crate::ir::chart::{Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
 use crate::ir::plc::{Global, GlobalId, Origin, Role};

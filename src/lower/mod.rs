@@ -84,7 +84,12 @@ pub fn lower(machine: &Machine) -> Project {
     ladder(p, "Variables", "What transitions and active states set and reset", variables.rungs);
     ladder(p, "Outputs", "What the chart wants of each output", outputs.rungs);
     ladder(p, "Filter", "What must never happen does not: the only program that writes outputs", filter.rungs);
-    ladder(p, "AfterFilter", "What observers take in of the outputs as the filter has let them through", afterwards.rungs);
+    ladder(
+        p,
+        "AfterFilter",
+        "What observers take in of the outputs as the filter has let them through",
+        afterwards.rungs,
+    );
 
     let task = Task {
         name: context.names.fixed("Cycle"),

@@ -53,11 +53,7 @@ pub fn after_filter(context: &mut Context<'_>) -> Ladder {
 }
 
 /// Which of the transitions that leave one state fires: a coil for each.
-fn decide(
-    context: &mut Context<'_>,
-    rungs: &mut Vec<Rung>,
-    rivals: &[TransitionId],
-) -> Vec<(TransitionId, GlobalId)> {
+fn decide(context: &mut Context<'_>, rungs: &mut Vec<Rung>, rivals: &[TransitionId]) -> Vec<(TransitionId, GlobalId)> {
     let machine = context.machine;
     let mut before: Vec<Condition> = Vec::new();
     let mut firing = Vec::new();

@@ -74,8 +74,8 @@ pub fn effects(context: &mut Context<'_>, firing: &[(&Transition, GlobalId)]) ->
     let machine = context.machine;
     let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); machine.variables.len()];
     for &(t, fires) in firing {
-        for &(v, value) in &t.effects {
-            effects[v.index()][usize::from(value)].push(Expr::Atom(fires));
+        for effect in &t.effects {
+            effects[effect.variable.index()][usize::from(effect.value)].push(Expr::Atom(fires));
         }
     }
     let mut rungs = Vec::new();

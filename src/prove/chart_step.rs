@@ -13,8 +13,8 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
-use super::aig::{Aig, Lit};
 use super::chart_filter;
+use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{Atom, ChartKind, Guard, Machine, Phase, RegionId, StateId, StateKind, TransitionId};
 use std::collections::{BTreeMap, HashMap};
 
@@ -134,8 +134,8 @@ impl<'m> ChartStep<'m> {
         let (active, entered) = self.configuration(aig, &now.active, &fires, Lit::FALSE);
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         for (id, t) in m.transitions.iter() {
-            for &(v, value) in &t.effects {
-                writes[v.index()][usize::from(value)].push(fires[id.index()]);
+            for effect in &t.effects {
+                writes[effect.variable.index()][usize::from(effect.value)].push(fires[id.index()]);
             }
         }
         now.variables = write(aig, &now.variables, &writes);
@@ -329,7 +329,9 @@ impl Reading<'_> {
         match atom {
             Atom::Input(i) => self.given.inputs[i.index()],
             Atom::PrevInput(i) => self.given.before.inputs[i.index()],
-            Atom::Output(o) => self.given.outputs.expect("what reads outputs of this scan comes after the filter")[o.index()],
+            Atom::Output(o) => {
+                self.given.outputs.expect("what reads outputs of this scan comes after the filter")[o.index()]
+            }
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::In(s) => self.active[s.index()],

@@ -135,10 +135,7 @@ impl Resolver {
             ) => Expr::Atom(Atom::Variable(id)),
             (
                 Symbol::Output(id),
-                Context::Constraint
-                | Context::Plant
-                | Context::Expectation
-                | Context::Guard { phase: Phase::End, .. },
+                Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
             ) => Expr::Atom(Atom::Output(id)),
             (Symbol::Variable(_), Context::Plant) => {
                 self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
@@ -180,10 +177,7 @@ impl Resolver {
             (Symbol::Input(id), _) => (Atom::Input(id), Atom::PrevInput(id)),
             (
                 Symbol::Output(id),
-                Context::Constraint
-                | Context::Plant
-                | Context::Expectation
-                | Context::Guard { phase: Phase::End, .. },
+                Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
             ) => (Atom::Output(id), Atom::PrevOutput(id)),
             (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),

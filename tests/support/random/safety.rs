@@ -129,6 +129,10 @@ impl Model {
             10..=11 => format!("prev(In{input})"),
             12..=14 => return format!("{}(In{input})", self.rng.pick(&["rise", "fall"])),
             15..=16 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            17..=18 if !self.observers.is_empty() => {
+                let state = self.observed().expect("there is an observer");
+                return format!("{}in({state})", self.rng.pick(&["", "not "]));
+            }
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

@@ -1,6 +1,7 @@
 //! The tests that use only the public interface, in one binary.
 
 mod cli;
+mod constraints;
 mod docs;
 mod emit;
 mod explain;

@@ -12,10 +12,12 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
 fn reads(machine: &Machine, found: &mut Diagnostics) {
     let mut written = vec![None; machine.variables.len()];
     for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Control) {
-        t.effects.iter().for_each(|e| written[e.variable.index()] = Some(e.span));
+        t.deeds.effects.iter().for_each(|e| written[e.variable.index()] = Some(e.span));
     }
     for state in machine.states.values() {
         state.actions.iter().for_each(|a| written[a.variable.index()] = Some(a.span));
+        let once = state.entry.effects.iter().chain(&state.exit.effects);
+        once.for_each(|e| written[e.variable.index()] = Some(e.span));
     }
     for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
         t.guard.for_each_atom(&mut |atom| {

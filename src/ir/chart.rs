@@ -7,7 +7,7 @@
 //! 1. Inputs are sampled. [`Atom::PrevInput`] is the input's value of the scan before; in the first
 //!    scan it is the input itself, so what has no past has no edge. [`Atom::PrevOutput`] is what the
 //!    filter let through in the scan before, FALSE in the first scan.
-//! 2. Each [`ChartKind::Observer`] takes one step, with all that 3 to 5 say. Its guards read of states
+//! 2. Each [`ChartKind::Observer`] takes one step, as 3 to 5 say. Its guards read of states
 //!    and variables only what observers decide, from before the step. All that follows sees what has
 //!    come of it.
 //! 3. Each [`ChartKind::Control`] chart takes one step. Regions are visited from the outside in. A transition belongs to
@@ -19,17 +19,24 @@
 //! 4. Firing leaves the scope's active state with all that is inside, then enters the target: on
 //!    the way down to it every parallel sibling, and below it every region, enters its initial
 //!    state. Source and target may lie in the same state of the scope: it is left and entered again.
-//! 5. Effects of the fired transitions happen, then [`Action`]s of the states that are active now:
-//!    first all that set, then all that reset. Their conditions read states as they are now and
-//!    variables as the transitions left them.
-//! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
+//!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
+//!    enters nothing, and what is inside its source takes its step as if nothing had fired.
+//! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
+//!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
+//!    of the states that are entered, from the outside in. Of several that write one variable the last one
+//!    wins; [`check`](crate::check) sees to it that there is a last one.
+//! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
+//!    Their conditions read states as they are now and variables as 5 left them.
+//! 7. The command of an output is the OR of the [`Drive`]s of the states that are active now;
 //!    conditions read states and variables as they are now.
-//! 7. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
-//! 8. Observers' transitions of [`Phase::End`] are tried, in each region as in 3. Their guards read
-//!    what the filter has decided, and states and variables from before this; their effects come last.
+//! 8. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
+//! 9. Observers' transitions of [`Phase::End`] are tried, in each region as in 3. Their guards read
+//!    what the filter has decided, and states and variables from before this; their deeds come last.
 //!
-//! The first scan enters the initial states instead of 2 and 3: no transition of [`Phase::Start`] fires.
-//! Those of [`Phase::End`] may: outputs that the first scan writes are as real as any.
+//! The first scan enters the initial states, their entries included, instead of 2 and 3: no transition of
+//! [`Phase::Start`] fires. Those of [`Phase::End`] may: outputs that the first scan writes are as real as any.
+//!
+//! States of observers do nothing: they have no drives, actions, entries and exits.
 
 use super::expr::Expr;
 use super::scenario::{Plant, Scenario};
@@ -256,6 +263,10 @@ pub struct State {
     pub drives: Vec<Drive>,
     /// The variables that it sets and resets while it is active.
     pub actions: Vec<Action>,
+    /// What happens when it is entered.
+    pub entry: Deeds,
+    /// What happens when it is left.
+    pub exit: Deeds,
     /// How many states contain it.
     pub depth: u32,
     /// Where it is declared.
@@ -305,6 +316,20 @@ pub struct Action {
     pub span: Span,
 }
 
+/// What happens once: when a transition fires, when a state is entered or left.
+#[derive(Clone, Debug, Default)]
+pub struct Deeds {
+    /// What becomes of variables; no variable twice.
+    pub effects: Vec<Effect>,
+}
+
+impl Deeds {
+    /// Whether nothing happens.
+    pub fn is_empty(&self) -> bool {
+        self.effects.is_empty()
+    }
+}
+
 /// A variable that becomes `value` once, when what it belongs to happens.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
@@ -321,16 +346,18 @@ pub struct Effect {
 pub struct Transition {
     /// The state that must be active.
     pub source: StateId,
-    /// The state that it leads to.
+    /// The state that it leads to; of an internal transition the source.
     pub target: StateId,
+    /// Whether it happens inside its source: it leaves and enters nothing.
+    pub internal: bool,
     /// The innermost region that contains both.
     pub scope: RegionId,
     /// When it is tried.
     pub phase: Phase,
     /// Read from before the step.
     pub guard: Guard,
-    /// What becomes of variables when it fires; no variable twice.
-    pub effects: Vec<Effect>,
+    /// What happens when it fires.
+    pub deeds: Deeds,
     /// Explicit priority: lower fires first, and before transitions without one.
     pub priority: Option<u32>,
     /// Why it is there.

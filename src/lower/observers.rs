@@ -46,8 +46,7 @@ pub fn after_filter(context: &mut Context<'_>) -> Ladder {
         }
         leaving.into_iter().for_each(|rivals| firing.extend(decide(context, &mut rungs, &rivals)));
     }
-    let effects: Vec<_> = firing.iter().map(|&(t, fires)| (&machine.transitions[t], fires)).collect();
-    rungs.extend(variables::effects(context, &effects));
+    rungs.extend(variables::effects(context, &firing));
     flags(context, &mut rungs, &firing);
     Ladder { rungs }
 }
@@ -59,7 +58,7 @@ fn decide(context: &mut Context<'_>, rungs: &mut Vec<Rung>, rivals: &[Transition
     let mut firing = Vec::new();
     for &id in rivals {
         let t = &machine.transitions[id];
-        let what = format!("transition {} -> {}", machine.state_path(t.source), machine.state_path(t.target));
+        let what = context.about_transition(id);
         let mut coil = |context: &mut Context<'_>, word: &str, says: &str, condition: &Condition| {
             let (name, text) = (context.names.transition(word, id), format!("{what} {says}"));
             let coil = context.global(name, Role::Condition, text.clone(), origin(what.clone(), t.span));

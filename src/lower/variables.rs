@@ -1,12 +1,12 @@
 //! Effects and actions to set and reset coils.
 //!
-//! First what fired transitions did, then what active states do, in this order: all sets, all
-//! resets. Conditions of actions read variables as the transitions left them; where one reads a
+//! First what happened once, in the order of [`Step`]; of what has the same place there, only one
+//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read variables as the transitions left them; where one reads a
 //! variable that an action writes, all conditions are taken down in coils before anything is written.
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
-use crate::ir::chart::{Atom, ChartKind, Phase, Transition};
+use crate::ir::chart::{Atom, ChartKind, Phase, StateId, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder, Rung};
 use crate::ir::plc::{GlobalId, Role};
@@ -15,12 +15,7 @@ use crate::ir::plc::{GlobalId, Role};
 pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
     let machine = context.machine;
     let count = machine.variables.len();
-    let step = |t: &Transition| t.phase == Phase::Start && machine.kind(t.scope) == kind;
-    let mut firing = Vec::new();
-    for (id, t) in machine.transitions.iter().filter(|(_, t)| step(t) && !t.effects.is_empty()) {
-        firing.push((t, context.fires(id)));
-    }
-    let mut rungs = effects(context, &firing);
+    let happened = happened(context, kind);
     let mut actions: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
     let mut reads_written = false;
     let written: Vec<bool> = {
@@ -41,6 +36,7 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
         }
     }
 
+    let mut rungs = once(context, happened);
     if reads_written {
         for (id, v) in machine.variables.iter() {
             for value in [true, false] {
@@ -69,22 +65,29 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
     Ladder { rungs }
 }
 
-/// What transitions set and reset, each with the coil that says whether it fires.
-pub fn effects(context: &mut Context<'_>, firing: &[(&Transition, GlobalId)]) -> Vec<Rung> {
+/// What transitions write, each with the coil that says that it fires.
+pub fn effects(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
     let machine = context.machine;
-    let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); machine.variables.len()];
+    let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
     for &(t, fires) in firing {
-        for effect in &t.effects {
-            effects[effect.variable.index()][usize::from(effect.value)].push(Expr::Atom(fires));
+        for effect in &machine.transitions[t].deeds.effects {
+            let condition = Expr::Atom(fires);
+            writes[effect.variable.index()].push(Write { step: Step::Fired, value: effect.value, condition });
         }
     }
+    writes.iter_mut().for_each(|list| list.sort_by_key(|write| !write.value));
+    once(context, writes)
+}
+
+/// The rungs of what writes variables once.
+fn once(context: &mut Context<'_>, writes: Vec<Vec<Write>>) -> Vec<Rung> {
     let mut rungs = Vec::new();
-    for (id, v) in machine.variables.iter() {
-        for value in [true, false] {
-            let by = std::mem::take(&mut effects[id.index()][usize::from(value)]);
-            let (verb, kind) = word(value);
+    for ((id, v), list) in context.machine.variables.iter().zip(writes) {
+        for run in list.chunk_by(|a, b| (a.step.who(), a.value) == (b.step.who(), b.value)) {
+            let (verb, kind) = word(run[0].value);
             let coil = (context.variables[id.index()], kind);
-            rung(context, &mut rungs, coil, &Expr::any(by), format!("transitions that {verb} {}", v.name));
+            let by = Expr::any(run.iter().map(|write| write.condition.clone()));
+            rung(context, &mut rungs, coil, &by, format!("{} {verb} {}", run[0].step.who(), v.name));
         }
     }
     rungs
@@ -92,4 +95,78 @@ pub fn effects(context: &mut Context<'_>, firing: &[(&Transition, GlobalId)]) ->
 
 fn word(value: bool) -> (&'static str, CoilKind) {
     if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) }
+}
+
+/// What writes a variable once, in the order in which it does.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Step {
+    /// A state is left; those further in come first.
+    Left(std::cmp::Reverse<u32>),
+    /// A transition fires that leaves nothing, so that others may fire inside its source; those further
+    /// out come first.
+    Inside(u32),
+    /// Any other transition fires.
+    Fired,
+    /// A state is entered; those further out come first.
+    Entered(u32),
+}
+
+impl Step {
+    fn who(self) -> &'static str {
+        match self {
+            Step::Left(_) => "states that are left and",
+            Step::Inside(_) | Step::Fired => "transitions that",
+            Step::Entered(_) => "states that are entered and",
+        }
+    }
+}
+
+struct Write {
+    step: Step,
+    value: bool,
+    condition: Condition,
+}
+
+/// For each variable, what in the step of charts of that kind writes it once, in order; sets before
+/// resets where that is free.
+fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
+    let machine = context.machine;
+    let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
+    let fires = machine.transitions.iter().filter(|(_, t)| t.phase == Phase::Start && machine.kind(t.scope) == kind);
+    for (id, t) in fires {
+        let source = &machine.states[t.source];
+        let step = if t.internal && !source.regions.is_empty() { Step::Inside(source.depth) } else { Step::Fired };
+        for effect in &t.deeds.effects {
+            let condition = Expr::Atom(context.fires(id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+    }
+    for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
+        for effect in &state.exit.effects {
+            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), left(context, id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+        for effect in &state.entry.effects {
+            let (step, condition) = (Step::Entered(state.depth), entered(context, id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+    }
+    for list in &mut writes {
+        list.sort_by_key(|write| (write.step, !write.value));
+    }
+    writes
+}
+
+/// Whether the state was active when the scan began and has been left.
+fn left(context: &mut Context<'_>, state: StateId) -> Condition {
+    let was = Expr::Atom(context.active(state));
+    let gone = Expr::Atom(context.flags[state.index()]).not();
+    Expr::all([was, Expr::any([gone].into_iter().chain(context.again(state).map(Expr::Atom)))])
+}
+
+/// Whether the state is active and has been entered in this scan.
+fn entered(context: &mut Context<'_>, state: StateId) -> Condition {
+    let is = Expr::Atom(context.flags[state.index()]);
+    let new = Expr::Atom(context.active(state)).not();
+    Expr::all([is, Expr::any([new].into_iter().chain(context.again(state).map(Expr::Atom)))])
 }

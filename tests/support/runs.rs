@@ -62,7 +62,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let lost = |guard: &Guard| {
             let mut lost = false;
             guard.for_each_atom(&mut |a| {
-                let written = |v| moved().any(|t| t.effects.iter().any(|e| e.variable == v));
+                let written = |v| moved().any(|t| t.deeds.effects.iter().any(|e| e.variable == v));
                 lost |= matches!(*a, Atom::Variable(v) if written(v));
             });
             lost

@@ -35,13 +35,15 @@ pub struct ChartState {
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
+    /// What the filter remembers, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
+    pub marks: Vec<Lit>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers.
+    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
-        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, fresh, past, marks } = self;
+        [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten().copied().collect()
     }
 }
 
@@ -106,6 +108,7 @@ impl<'m> ChartStep<'m> {
             outputs: vec![Lit::FALSE; m.outputs.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
+            marks: vec![Lit::FALSE; m.safety.marks().count()],
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
@@ -284,7 +287,7 @@ impl<'m> ChartStep<'m> {
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
-        let filtered = chart_filter::filter(aig, m, &commands, &mut read, self.rounds);
+        let filtered = chart_filter::filter(aig, m, &commands, &given.before.marks, &mut read, self.rounds);
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
@@ -296,8 +299,15 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, given.elapsed[i]));
             begins.push(aig.and(given.before.active[s.index()], given.before.fresh[i]));
         }
-        let inputs = given.inputs.to_vec();
-        let after = ChartState { active, variables, inputs, outputs: filtered.outputs, fresh, past };
+        let after = ChartState {
+            active,
+            variables,
+            inputs: given.inputs.to_vec(),
+            outputs: filtered.outputs,
+            fresh,
+            past,
+            marks: filtered.marks,
+        };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }

@@ -38,6 +38,12 @@ impl Model {
             let text = if ways.len() > 1 && self.rng.chance(55) { self.combined(&ways) } else { self.simple(&ways) };
             items.push(Item::line(format!("Con{i}: never {text}")));
         }
+        // One relief that sets off another one.
+        let off: Vec<usize> = (0..ways.len()).filter(|&o| ways[o] == Way::Off).collect();
+        if let ([a, b, c, ..], true) = (&off[..], self.rng.chance(30)) {
+            items.push(Item::line(format!("ConC: never Out{a} and Out{b} yields Out{b}")));
+            items.push(Item::line(format!("ConD: never not Out{b} and Out{c} yields Out{c}")));
+        }
         while self.rng.chance(20) {
             let number = self.number();
             let readings = self.readings(" and ");

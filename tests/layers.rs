@@ -22,8 +22,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
+    (
+        "pipeline",
+        &["base", "constraints", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"],
+    ),
+    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

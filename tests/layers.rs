@@ -22,6 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
+    ("verify", &["base", "bits", "ir"]),
     (
         "pipeline",
         &["base", "constraints", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"],

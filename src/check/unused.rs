@@ -1,7 +1,8 @@
 //! What is declared is used.
 
 use crate::base::{Code, Diagnostic, Diagnostics};
-use crate::ir::chart::{Atom, Guard, Machine};
+use crate::ir::chart::{Atom, Deeds, Guard, Machine};
+use crate::ir::expr::Expr;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
@@ -15,10 +16,12 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
+    let mut write = |deeds: &Deeds| deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
     for t in machine.transitions.values() {
         look(&t.guard);
-        t.effects.iter().for_each(|e| written[e.variable.index()] = true);
+        write(&t.deeds);
     }
+    machine.states.values().flat_map(|s| [&s.entry, &s.exit]).for_each(write);
     for state in machine.states.values() {
         for d in &state.drives {
             look(&d.condition);
@@ -30,6 +33,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         }
     }
     machine.safety.constraints.values().for_each(|c| look(&c.never));
+    machine.safety.reset.into_iter().for_each(|i| look(&Expr::Atom(Atom::Input(i))));
     machine.safety.assumptions.iter().for_each(|a| look(&a.never));
     machine.actuators.values().flat_map(|a| &a.positions).filter_map(|p| p.sensor.as_ref()).for_each(look);
 

@@ -154,6 +154,12 @@ pub enum Term {
     DoneOf(PathRef),
     /// `done`: the source of this transition.
     Done(Span),
+    /// `acts(Constraint)`.
+    Acts(PathRef),
+    /// `first(Constraint)`.
+    First(PathRef),
+    /// `blocked`.
+    Blocked(Span),
     /// `alarm(Constraint)`.
     Alarm(PathRef),
     /// `after 500ms`: the source of this transition has been active that long.
@@ -210,8 +216,22 @@ pub struct Body {
     pub drives: Vec<Drive>,
     /// `sets …` and `resets …`.
     pub actions: Vec<Action>,
+    /// What stands behind `entry`, all of them in order.
+    pub entry: Vec<Effect>,
+    /// What stands behind `exit`, all of them in order.
+    pub exit: Vec<Effect>,
+    /// `internal …`.
+    pub internals: Vec<Internal>,
     /// The braces and what is between them.
     pub span: Span,
+}
+
+impl Body {
+    /// Whether it says what a state does, apart from what the state holds.
+    pub fn does_something(&self) -> bool {
+        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
+    }
 }
 
 /// `initial final parallel state NAME at POSITION controls ACTUATOR "…" { … }`.
@@ -287,6 +307,21 @@ pub struct Movement {
     pub name: Option<Name>,
 }
 
+/// `internal priority 1 when G then set V "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Internal {
+    /// `priority N`.
+    pub priority: Option<(u32, Span)>,
+    /// `when …`.
+    pub guard: Guard,
+    /// `then …`.
+    pub effects: Vec<Effect>,
+    /// Why it is there.
+    pub description: Option<Text>,
+    /// All of it.
+    pub span: Span,
+}
+
 /// `set V` or `reset V`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
@@ -316,11 +351,15 @@ pub struct Action {
     pub condition: Option<Guard>,
 }
 
-/// `safety supervisor { … }`.
+/// `safety supervisor relief in-order reset by Ack { … }`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Safety {
     /// `supervisor`, where it stands.
     pub mode: Name,
+    /// `relief in-order`, where it stands.
+    pub in_order: Option<Span>,
+    /// `reset by …`.
+    pub reset: Option<Name>,
     /// The constraints in order.
     pub constraints: Vec<Constraint>,
     /// The assumptions in order.

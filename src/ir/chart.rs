@@ -15,14 +15,23 @@
 //! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
 //!    the way down to it every parallel sibling, and below it every region, enters its initial
 //!    state. Source and target may lie in the same state of the scope: it is left and entered again.
-//! 4. Effects of the fired transitions happen, then [`Action`]s of the states that are active now:
-//!    first all that set, then all that reset. Their conditions read states as they are now and
-//!    variables as the transitions left them.
-//! 5. The command of an output is the OR of the [`Drive`]s of the states that are active now;
+//!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
+//!    enters nothing, and what is inside its source takes its step as if nothing had fired.
+//! 4. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
+//!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
+//!    of the states that are entered, from the outside in. Of several that write one variable the last one
+//!    wins; [`check`](crate::check) sees to it that there is a last one.
+//! 5. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
+//!    Their conditions read states as they are now and variables as 4 left them.
+//! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
 //!    conditions read states and variables as they are now.
-//! 6. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
+//! 7. The filter turns commands into outputs ([`super::relief`] says how); [`Atom::Output`] is what it
+//!    decides. A constraint *acts* when the commands violate it, or what other constraints make of them
+//!    does. With [`FilterMode::Blocking`] it acts when the commands violate it, and from the scan in which
+//!    one does until [`Safety::reset`] rises, that scan excluded, the filter takes all commands as FALSE.
+//!    Both can happen in one scan: then the machine stays stopped.
 //!
-//! The first scan enters the initial states and takes no transition.
+//! The first scan enters the initial states, their entries included, and takes no transition.
 
 use super::expr::Expr;
 use super::scenario::{Plant, Scenario};
@@ -227,6 +236,10 @@ pub struct State {
     pub drives: Vec<Drive>,
     /// The variables that it sets and resets while it is active.
     pub actions: Vec<Action>,
+    /// What happens when it is entered.
+    pub entry: Deeds,
+    /// What happens when it is left.
+    pub exit: Deeds,
     /// How many states contain it.
     pub depth: u32,
     /// Where it is declared.
@@ -276,6 +289,20 @@ pub struct Action {
     pub span: Span,
 }
 
+/// What happens once: when a transition fires, when a state is entered or left.
+#[derive(Clone, Debug, Default)]
+pub struct Deeds {
+    /// What becomes of variables; no variable twice.
+    pub effects: Vec<Effect>,
+}
+
+impl Deeds {
+    /// Whether nothing happens.
+    pub fn is_empty(&self) -> bool {
+        self.effects.is_empty()
+    }
+}
+
 /// A variable that becomes `value` once, when what it belongs to happens.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
@@ -292,14 +319,16 @@ pub struct Effect {
 pub struct Transition {
     /// The state that must be active.
     pub source: StateId,
-    /// The state that it leads to.
+    /// The state that it leads to; of an internal transition the source.
     pub target: StateId,
+    /// Whether it happens inside its source: it leaves and enters nothing.
+    pub internal: bool,
     /// The innermost region that contains both.
     pub scope: RegionId,
     /// Read from before the step.
     pub guard: Guard,
-    /// What becomes of variables when it fires; no variable twice.
-    pub effects: Vec<Effect>,
+    /// What happens when it fires.
+    pub deeds: Deeds,
     /// Explicit priority: lower fires first, and before transitions without one.
     pub priority: Option<u32>,
     /// Why it is there.
@@ -313,6 +342,13 @@ pub struct Transition {
 pub struct Safety {
     /// What the filter does about a violation; nothing when the model has no constraints.
     pub mode: Option<FilterMode>,
+    /// Where the mode stands.
+    pub span: Span,
+    /// How combined constraints are relieved.
+    pub relief: Relief,
+    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
+    /// if, it remembers that.
+    pub reset: Option<InputId>,
     /// What must never be, in the order in which it is written.
     pub constraints: Arena<Constraint>,
     /// What the plant cannot do.
@@ -322,8 +358,36 @@ pub struct Safety {
 /// What the filter does about a violation (seed 001).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterMode {
+    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
+    /// what constraints make of that.
+    Blocking,
     /// Outputs are corrected, the program goes on, each correction is an alarm.
     Supervisor,
+    /// Outputs are corrected, and that is normal.
+    Controller,
+}
+
+/// How combined constraints are relieved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Relief {
+    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
+    #[default]
+    Together,
+    /// In sweeps, each in its turn and at once, as they are written (seed 003).
+    InOrder {
+        /// How many sweeps are made: as many as it takes at most to meet all constraints.
+        sweeps: usize,
+    },
+}
+
+/// What the filter remembers from scan to scan; FALSE before the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Mark {
+    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
+    /// while this is TRUE.
+    Noted,
+    /// The constraint acted in the scan in which this began.
+    First(ConstraintId),
 }
 
 /// A safety constraint: none of its products may be TRUE when the outputs are written.
@@ -364,6 +428,19 @@ pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bo
         Atom::Output(o) => Some((o, l.negated)),
         _ => None,
     })
+}
+
+impl Safety {
+    /// What the filter remembers, the stop first.
+    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
+        let any = self.reset.is_some();
+        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
+    }
+
+    /// Whether a constraint that acts is an alarm.
+    pub fn alarms(&self) -> bool {
+        self.mode != Some(FilterMode::Controller)
+    }
 }
 
 impl Machine {
@@ -423,6 +500,15 @@ impl Machine {
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),
+        }
+    }
+
+    /// What the filter remembers, as a model asks for it.
+    pub fn mark(&self, mark: Mark) -> String {
+        match mark {
+            Mark::Noted if self.safety.mode == Some(FilterMode::Blocking) => "blocked".to_owned(),
+            Mark::Noted => "noted".to_owned(),
+            Mark::First(c) => format!("first({})", self.safety.constraints[c].name),
         }
     }
 

@@ -157,6 +157,15 @@ impl Writer {
             let verb = if action.value { "sets" } else { "resets" };
             self.line(format_args!("{verb} {}{}", action.variable.text, when(&action.condition)))?;
         }
+        for (word, list) in [("entry", &body.entry), ("exit", &body.exit)] {
+            if !list.is_empty() {
+                self.line(format_args!("{word} {}", effects(list)))?;
+            }
+        }
+        for t in &body.internals {
+            let (when, then) = (condition(&t.guard), then(&t.effects));
+            self.line(format_args!("internal{} when {when}{then}{}", priority(t.priority), text(&t.description)))?;
+        }
         for region in &body.regions {
             let head = format!(
                 "region {}{}{}",
@@ -197,23 +206,19 @@ impl Writer {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
             None => ("from", String::new()),
         };
-        let priority = t.priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default();
-        let effects: Vec<String> = t
-            .effects
-            .iter()
-            .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text))
-            .collect();
-        let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
         self.line(format_args!(
-            "{verb} {source} to {}{name}{priority}{}{effects}{}",
+            "{verb} {source} to {}{name}{}{}{}{}",
             words(&t.target),
+            priority(t.priority),
             when(&t.guard),
+            then(&t.effects),
             text(&t.description)
         ))
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
-        self.block(format_args!("safety {}", s.mode.text), |w| {
+        let relief = if s.in_order.is_some() { " relief in-order" } else { "" };
+        self.block(format_args!("safety {}{relief}{}", s.mode.text, clause("reset by", s.reset.as_ref())), |w| {
             for a in &s.assumptions {
                 w.line(format_args!("assume {}: never {}{}", a.name.text, condition(&a.never), text(&a.text)))?;
             }
@@ -224,6 +229,19 @@ impl Writer {
             })
         })
     }
+}
+
+fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
+    priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default()
+}
+
+fn effects(effects: &[Effect]) -> String {
+    let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text);
+    effects.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn then(list: &[Effect]) -> String {
+    if list.is_empty() { String::new() } else { format!(" then {}", effects(list)) }
 }
 
 fn clause(word: &str, name: Option<&Name>) -> String {
@@ -274,7 +292,10 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::In(p) => write!(f, "in({})", path(p)),
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
         Term::Alarm(p) => write!(f, "alarm({})", path(p)),
+        Term::Acts(p) => write!(f, "acts({})", path(p)),
+        Term::First(p) => write!(f, "first({})", path(p)),
         Term::Done(_) => f.write_str("done"),
+        Term::Blocked(_) => f.write_str("blocked"),
         Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
     });
     written.expect("writing to a string succeeds");

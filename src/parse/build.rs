@@ -265,11 +265,40 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                 let (variable, condition) = named_condition(p);
                 body.actions.push(Action { variable, value, condition });
             }
+            Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
+            Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
+            Rule::internal => body.internals.push(internal(p)),
             Rule::bad_item | Rule::bad_outer_item => bad.push(p),
             _ => {}
         }
     }
     body
+}
+
+/// The effect that the pair is, if it is one.
+fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+    if p.as_rule() != Rule::effect {
+        return None;
+    }
+    let value = p.as_str().starts_with("set");
+    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
+    Some(Effect { variable, value })
+}
+
+fn internal(p: Pair<'_, Rule>) -> Internal {
+    let whole = span(&p);
+    let (mut priority, mut condition, mut effects, mut description) = (None, None, Vec::new(), None);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
+            Rule::expression => condition = Some(guard(p)),
+            Rule::effect => effects.extend(effect(p)),
+            Rule::text => description = Some(text(p)),
+            _ => {}
+        }
+    }
+    let guard = condition.expect("an internal transition has a condition");
+    Internal { priority, guard, effects, description, span: whole }
 }
 
 fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
@@ -313,12 +342,7 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             }
             Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
             Rule::expression => guard_ = Some(guard(p)),
-            Rule::effect => {
-                let value = p.as_str().starts_with("set");
-                let variable =
-                    p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
-                effects.push(Effect { variable, value });
-            }
+            Rule::effect => effects.extend(effect(p)),
             Rule::text => description = Some(text(p)),
             _ => {}
         }
@@ -329,11 +353,18 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
 }
 
 fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
-    let mut safety =
-        Safety { mode: Name { text: String::new(), span: span(&p) }, constraints: Vec::new(), assumptions: Vec::new() };
+    let mut safety = Safety {
+        mode: Name { text: String::new(), span: span(&p) },
+        in_order: None,
+        reset: None,
+        constraints: Vec::new(),
+        assumptions: Vec::new(),
+    };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::mode => safety.mode = name(p),
+            Rule::relief => safety.in_order = Some(span(&p)),
+            Rule::reset_by => safety.reset = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name),
             Rule::constraint => safety.constraints.push(constraint(p)),
             Rule::assumption => safety.assumptions.push(constraint(p)),
             Rule::bad_constraint => bad.push(p),
@@ -442,6 +473,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),
+        Rule::kw_blocked => Expr::Atom(Term::Blocked(place)),
         Rule::elapsed => Expr::Atom(Term::After(duration(inner))),
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
@@ -454,6 +486,8 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
                 "fall" => Term::Fall(argument),
                 "in" => Term::In(argument),
                 "alarm" => Term::Alarm(argument),
+                "acts" => Term::Acts(argument),
+                "first" => Term::First(argument),
                 _ => Term::DoneOf(argument),
             })
         }

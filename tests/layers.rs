@@ -24,8 +24,24 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("stats", &["base", "ir"]),
     // What is verified is the scan that programs are proved equal to.
     ("verify", &["base", "bits", "ir", "prove"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate", "verify"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats", "verify"]),
+    (
+        "pipeline",
+        &[
+            "base",
+            "constraints",
+            "ir",
+            "parse",
+            "resolve",
+            "check",
+            "lower",
+            "emit",
+            "read",
+            "prove",
+            "simulate",
+            "verify",
+        ],
+    ),
+    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats", "verify"]),
 ];
 
 #[test]

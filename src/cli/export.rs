@@ -23,9 +23,12 @@ pub fn run(args: &Args) -> Outcome {
     let Some(machine) = machine else {
         return finish("export", Format::Human, &report, &super::Nothing {});
     };
-    let Some(subject) = pipeline::verify::system(&machine, verify::program(args.program), args.open) else {
-        say("error: nobody knows how many rounds the filter takes, so nothing can be written\n");
-        return Outcome::Wrong;
+    let subject = match pipeline::verify::system(&machine, verify::program(args.program), args.open) {
+        Ok(subject) => subject,
+        Err(refusal) => {
+            say(&format!("error: {refusal}\n"));
+            return Outcome::Wrong;
+        }
     };
     let text = match args.form {
         SystemForm::Aiger => aiger::ascii(&subject.system),

@@ -2,6 +2,7 @@
 
 mod args;
 mod build;
+mod constraints;
 mod explain;
 mod export;
 mod files;
@@ -73,6 +74,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Export(args) => export::run(&args),
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
+            Command::Constraints(args) => constraints::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Outcome {
         // Who declares a property wants to know; what all machines are asked may stay open.
         Status::Unknown(_) => !matches!(a.question, Question::Declared(_) | Question::Violated(_)),
     });
-    if fine && written && !verified.answers.is_empty() { Outcome::Fine } else { Outcome::Wrong }
+    if fine && written && verified.refusal.is_none() { Outcome::Fine } else { Outcome::Wrong }
 }
 
 /// What runs in front of the filter.
@@ -167,8 +167,8 @@ fn result(verified: &Verified) -> Result {
 fn human(verified: &Verified, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
-    if verified.answers.is_empty() {
-        return "error: nobody knows how many rounds the filter takes, so nothing can be verified\n".to_owned();
+    if let Some(refusal) = verified.refusal {
+        return format!("error: {refusal}\n");
     }
     for a in &verified.answers {
         // What all machines are asked is worth a line only where the answer is not what one hopes for.

@@ -14,8 +14,8 @@ use crate::verify::system::Trace;
 use crate::verify::{Limit, Limits, Verdict};
 use std::fmt::Write;
 
-pub use crate::verify::machine::Program;
 pub use crate::verify::machine::questions::{Question, transition};
+pub use crate::verify::machine::{Program, Refusal};
 
 /// What [`verify`] is told.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub struct Options {
 pub struct Verified {
     /// The machine.
     pub machine: Machine,
+    /// Why nothing was asked, if so.
+    pub refusal: Option<Refusal>,
     /// Question by question.
     pub answers: Vec<Answer>,
     /// How many bits are remembered from scan to scan.
@@ -85,8 +87,7 @@ pub struct Run {
     pub replayed: Option<bool>,
 }
 
-/// Text to answers. Nothing among them if the model has errors; no answers if its filter is too hard to
-/// unroll. `stop` is asked now and then whether to end.
+/// Text to answers. Nothing if the model has errors. `stop` is asked now and then whether to end.
 pub fn verify(
     source: &str,
     options: &Options,
@@ -95,9 +96,14 @@ pub fn verify(
 ) -> (Option<Verified>, Diagnostics) {
     let (machine, diagnostics) = check(source);
     let Some(machine) = machine else { return (None, diagnostics) };
-    let mut verified = Verified { machine, answers: Vec::new(), latches: 0, inputs: 0, states: None, scans: None };
-    let Some(subject) = Subject::new(&verified.machine, options.program, options.open) else {
-        return (Some(verified), diagnostics);
+    let mut verified =
+        Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, states: None, scans: None };
+    let subject = match Subject::new(&verified.machine, options.program, options.open) {
+        Ok(subject) => subject,
+        Err(refusal) => {
+            verified.refusal = Some(refusal);
+            return (Some(verified), diagnostics);
+        }
     };
     let report = engine::check(&subject.system, &options.limits, options.choice, stop, progress);
     let mut answers = Vec::new();
@@ -121,8 +127,8 @@ pub fn verify(
     (Some(verified), diagnostics)
 }
 
-/// The system of a machine, for other tools; nothing if its filter is too hard to unroll.
-pub fn system<'m>(machine: &'m Machine, program: Program, open: bool) -> Option<Subject<'m>> {
+/// The system of a machine, for other tools.
+pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject<'_>, Refusal> {
     Subject::new(machine, program, open)
 }
 

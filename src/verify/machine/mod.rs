@@ -17,11 +17,12 @@ pub mod questions;
 use super::aig::{Aig, Lit};
 use super::sat::Sat;
 use super::system::{Giver, System};
-use crate::ir::chart::{Atom, Machine};
+use crate::ir::chart::{Atom, ChartKind, Machine};
 use crate::prove::chart_filter;
 use crate::prove::chart_step::{ChartScan, ChartState, ChartStep};
 use questions::Question;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// What runs in front of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +31,24 @@ pub enum Program {
     Chart,
     /// Nobody knows: each scan any command.
     Any,
+}
+
+/// Why a machine cannot be verified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The solver cannot say how many rounds the filter takes.
+    Rounds,
+    /// The filter is asked for alone, but reads observers, which would have to run.
+    Observers,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Refusal::Rounds => "nobody knows how many rounds the filter takes",
+            Refusal::Observers => "behind any program, a machine with observers cannot be verified yet",
+        })
+    }
 }
 
 /// A machine as a transition system.
@@ -75,10 +94,13 @@ impl View {
 }
 
 impl<'m> Subject<'m> {
-    /// The machine in its plant, if it has one, as a system; nothing if the solver cannot say how many rounds the
-    /// filter takes. With `open` the plant gives nothing, and all inputs are free.
-    pub fn new(machine: &'m Machine, program: Program, open: bool) -> Option<Subject<'m>> {
-        let rounds = chart_filter::rounds(machine, &mut Sat::new())?;
+    /// The machine in its plant, if it has one, as a system. With `open` the plant gives nothing, and all inputs are
+    /// free.
+    pub fn new(machine: &'m Machine, program: Program, open: bool) -> Result<Subject<'m>, Refusal> {
+        if program == Program::Any && machine.charts.iter().any(|c| c.kind == ChartKind::Observer) {
+            return Err(Refusal::Observers);
+        }
+        let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
         let step = ChartStep::new(machine, rounds);
         let mut system = System::default();
         let started = system.latch("started", Some(false));
@@ -91,16 +113,12 @@ impl<'m> Subject<'m> {
         let past_inputs = before.inputs.iter().zip(&given.inputs);
         let past_inputs: Vec<Lit> = past_inputs.map(|(&was, &is)| system.aig.select(started, was, is)).collect();
         let mut timed = false;
-        let mut enabled = Vec::new();
         let scan = match program {
             Program::Chart => {
                 let clocks = clocks(&mut system, machine, &step);
                 timed = !clocks.is_empty();
                 let later = step.scan(&mut system.aig, &before, &given.inputs, &clocks);
                 let first = step.first(&mut system.aig, &given.inputs);
-                for l in step.enabled(&mut system.aig, &before, &given.inputs, &clocks) {
-                    enabled.push(system.aig.and(l, started));
-                }
                 either(&mut system.aig, started, &later, &first)
             }
             Program::Any => filter(&mut system, machine, &before, &given.inputs, &past_inputs, rounds),
@@ -114,9 +132,9 @@ impl<'m> Subject<'m> {
         let mut subject = Subject { machine, system, questions: Vec::new(), view, timed };
         subject.ask_about_outputs(program);
         if program == Program::Chart {
-            subject.ask_about_chart(&enabled);
+            subject.ask_about_chart();
         }
-        Some(subject)
+        Ok(subject)
     }
 
     fn ask(&mut self, question: Question, name: String, property: super::Property) {
@@ -160,7 +178,8 @@ fn filter(
         marks: filtered.marks,
     };
     let fires = vec![Lit::FALSE; machine.transitions.len()];
-    ChartScan { after, fires, commands, acted: filtered.acted, broken, begins: Vec::new() }
+    let enabled = fires.clone();
+    ChartScan { after, fires, enabled, commands, acted: filtered.acted, broken, begins: Vec::new() }
 }
 
 /// Latches for what the chart remembers. All is FALSE before the first scan, which does not look at it.
@@ -207,6 +226,7 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
     let mut bits = bits.into_iter();
     ChartScan {
         fires: pick(&then.fires, &otherwise.fires),
+        enabled: pick(&then.enabled, &otherwise.enabled),
         commands: pick(&then.commands, &otherwise.commands),
         acted: pick(&then.acted, &otherwise.acted),
         broken: pick(&then.broken, &otherwise.broken),

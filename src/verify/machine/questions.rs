@@ -3,7 +3,7 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
 use super::{Program, Subject, View};
-use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
 use crate::ir::scenario::{Condition, PropertyKind, Seen};
 use std::collections::BTreeSet;
 
@@ -68,6 +68,12 @@ impl Subject<'_> {
             self.ask(Question::Declared(i), p.name.clone(), property);
         }
         for (id, constraint) in machine.safety.constraints.iter() {
+            // An observer may step between the filter and the end of the scan, where the condition is read.
+            let mut observes = false;
+            constraint.never.for_each_atom(&mut |atom| observes |= matches!(atom, Atom::In(_) | Atom::Done(_)));
+            if observes {
+                continue;
+            }
             let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
             self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
         }
@@ -77,7 +83,7 @@ impl Subject<'_> {
     }
 
     /// What can be asked of charts.
-    pub(super) fn ask_about_chart(&mut self, enabled: &[Lit]) {
+    pub(super) fn ask_about_chart(&mut self) {
         let machine = self.machine;
         let some = self.system.aig.any(&self.view.scan.fires);
         if !machine.transitions.is_empty() {
@@ -92,6 +98,7 @@ impl Subject<'_> {
             self.ask(Question::Fires(id), format!("{} fires", transition(machine, id)), Property::Never(fires));
         }
         for (a, b) in rivals(machine) {
+            let enabled = &self.view.scan.enabled;
             let both = self.system.aig.and(enabled[a.index()], enabled[b.index()]);
             let name = format!("{} and {} together", transition(machine, a), transition(machine, b));
             self.ask(Question::Together(a, b), name, Property::Never(both));
@@ -122,11 +129,11 @@ pub fn transition(machine: &Machine, id: TransitionId) -> String {
 /// no explicit priority tells apart.
 fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
     let mut rivals = Vec::new();
-    for scoped in machine.scoped() {
+    for scoped in machine.scoped(Phase::Start) {
         for (i, &a) in scoped.iter().enumerate() {
             for &b in &scoped[i + 1..] {
                 let (s, t) = (&machine.transitions[a], &machine.transitions[b]);
-                let differ = s.target != t.target;
+                let differ = s.target != t.target || s.internal != t.internal;
                 if s.source == t.source && s.priority.is_none() && t.priority.is_none() && differ {
                     rivals.push((a, b));
                 }

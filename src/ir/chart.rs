@@ -12,9 +12,11 @@
 //!    enabled transitions of this scope the one with the outermost source fires, then the one that
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
 //!    active state takes a step. Guards read states and variables from before the step.
-//! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
-//!    the way down to it every parallel sibling, and below it every region, enters its initial
-//!    state. Source and target may lie in the same state of the scope: it is left and entered again.
+//! 3. Firing leaves the scope's active state with all that is inside, then enters the target: the
+//!    way down to it, and below it and beside that way each region as [`Inside`] and [`Region::entries`]
+//!    say. Source and target may lie in the same state of the scope: it is left and entered again.
+//!    Guards of entries read what guards of transitions do. *Last* in a region is the state that was
+//!    active in it when it was active last: now, if it is active when the scan begins.
 //! 4. Effects of the fired transitions happen, then [`Action`]s of the states that are active now:
 //!    first all that set, then all that reset. Their conditions read states as they are now and
 //!    variables as the transitions left them.
@@ -22,7 +24,8 @@
 //!    conditions read states and variables as they are now.
 //! 6. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
 //!
-//! The first scan enters the initial states and takes no transition.
+//! The first scan enters the outermost regions by default and takes no transition; what its entries
+//! read is that nothing was active, with variables as they are before it.
 
 use super::expr::Expr;
 use super::scenario::{Plant, Scenario};
@@ -202,7 +205,9 @@ pub struct Region {
     pub actuator: Option<ActuatorId>,
     /// Its states, movements included, in the order in which they are written.
     pub states: Vec<StateId>,
-    /// The state that it enters by default; one of its states.
+    /// Where it begins by default: the first of these states whose guard holds …
+    pub entries: Vec<(Guard, StateId)>,
+    /// … or else this one. All of them are states of the region.
     pub initial: StateId,
     /// Where it is declared.
     pub span: Span,
@@ -283,6 +288,8 @@ pub struct Transition {
     pub source: StateId,
     /// The state that it leads to.
     pub target: StateId,
+    /// How the regions of the target are entered.
+    pub inside: Inside,
     /// The innermost region that contains both.
     pub scope: RegionId,
     /// Read from before the step.
@@ -295,6 +302,22 @@ pub struct Transition {
     pub description: String,
     /// Where it is written.
     pub span: Span,
+}
+
+/// How a transition enters the regions of its target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Inside {
+    /// Each by default, and so are those further in.
+    Default,
+    /// Fork: on the way down to these states; they lie in different regions of the target. All other
+    /// regions are entered by default.
+    Fork(Vec<StateId>),
+    /// Shallow history: each at its last state, unless that is final or there is none: then by default.
+    /// Those further in are entered by default.
+    History,
+    /// Deep history: the same, and so further in below each last state. What is below a state that is
+    /// entered by default is entered by default.
+    DeepHistory,
 }
 
 /// The safety part of a model.
@@ -355,6 +378,16 @@ pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bo
     })
 }
 
+impl Transition {
+    /// The states that it names: those of a fork, else its target.
+    pub fn goals(&self) -> &[StateId] {
+        match &self.inside {
+            Inside::Fork(states) => states,
+            Inside::Default | Inside::History | Inside::DeepHistory => std::slice::from_ref(&self.target),
+        }
+    }
+}
+
 impl Machine {
     /// The states that contain `state`, itself first, outermost last.
     pub fn ancestors(&self, state: StateId) -> impl Iterator<Item = StateId> + '_ {
@@ -398,6 +431,20 @@ impl Machine {
             (Some(outer), None) => outer,
             (None, Some(name)) => name.clone(),
             (None, None) => self.charts[r.chart].name.clone(),
+        }
+    }
+
+    /// Where a transition leads, as a model writes it, with whole paths.
+    pub fn destination(&self, transition: TransitionId) -> String {
+        let t = &self.transitions[transition];
+        match &t.inside {
+            Inside::Default => self.state_path(t.target),
+            Inside::History => format!("history of {}", self.state_path(t.target)),
+            Inside::DeepHistory => format!("deep history of {}", self.state_path(t.target)),
+            Inside::Fork(states) => {
+                let paths: Vec<String> = states.iter().map(|&s| self.state_path(s)).collect();
+                format!("({})", paths.join(", "))
+            }
         }
     }
 

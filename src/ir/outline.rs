@@ -160,6 +160,9 @@ impl Writer<'_> {
             writeln!(self.out, "{:1$}region {name}{controls}", "", depth * 2)?;
             depth += 1;
         }
+        for (guard, s) in &region.entries {
+            writeln!(self.out, "{:1$}begins at {2} when {3}", "", depth * 2, m.states[*s].name, self.guard(guard))?;
+        }
         for &s in &region.states {
             let state = &m.states[s];
             let initial = if region.initial == s { "initial " } else { "" };
@@ -189,15 +192,15 @@ impl Writer<'_> {
                 self.region(r, depth + 1)?;
             }
         }
-        for (rank, &t) in self.scoped[id.index()].iter().enumerate() {
-            let t = &m.transitions[t];
+        for (rank, &id) in self.scoped[id.index()].iter().enumerate() {
+            let t = &m.transitions[id];
             let effects: Vec<String> = t
                 .effects
                 .iter()
                 .map(|&(v, value)| format!("{} {}", if value { "set" } else { "reset" }, m.variables[v].name))
                 .collect();
             let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
-            let (source, target) = (m.state_path(t.source), m.state_path(t.target));
+            let (source, target) = (m.state_path(t.source), m.destination(id));
             writeln!(
                 self.out,
                 "{:1$}{2}. {source} -> {target} when {3}{effects}",

@@ -44,6 +44,8 @@ pub struct Conditions {
     pub fires: BTreeMap<TransitionId, GlobalId>,
     pub before: BTreeMap<TransitionId, GlobalId>,
     pub entered: BTreeMap<StateId, GlobalId>,
+    pub last: BTreeMap<StateId, GlobalId>,
+    pub unfinished: BTreeMap<RegionId, GlobalId>,
     pub latches: Vec<Rung>,
     pub timing: Vec<Rung>,
     pub enabling: Vec<Rung>,

@@ -1,5 +1,7 @@
 //! Effects and actions to set and reset coils.
 //!
+//! What regions with a history remember comes last: where they are when the chart has taken its step.
+//!
 //! First what fired transitions did, then what active states do, in this order: all sets, all
 //! resets. Conditions of actions read variables as the transitions left them; where one reads a
 //! variable that an action writes, all conditions are taken down in coils before anything is written.
@@ -8,7 +10,7 @@ use super::context::{Condition, Context};
 use super::rungs::rung;
 use crate::ir::chart::Atom;
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Ladder};
+use crate::ir::ladder::{CoilKind, Ladder, Rung};
 use crate::ir::plc::Role;
 
 pub fn lower(context: &mut Context<'_>) -> Ladder {
@@ -76,5 +78,19 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
             rung(context, &mut rungs, coil, &Expr::any(by), format!("active states that {verb} {}", v.name));
         }
     }
+    history(context, &mut rungs);
     Ladder { rungs }
+}
+
+/// What was the last state of a region: the active one; while none is, the one that was.
+fn history(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let machine = context.machine;
+    for (state, id) in context.conditions.last.clone() {
+        let path = machine.state_path(state);
+        let parent = machine.regions[machine.states[state].region].parent.expect("what has a history is inside a state");
+        let (active, around) = (context.flags[state.index()], context.flags[parent.index()]);
+        let kept = Expr::all([Expr::Atom(id), Expr::Atom(around).not()]);
+        let condition = Expr::any([Expr::Atom(active), kept]);
+        rung(context, rungs, (id, CoilKind::Plain), &condition, format!("{path} is where its region is or was last"));
+    }
 }

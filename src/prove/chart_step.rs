@@ -15,7 +15,7 @@
 
 use super::chart_filter;
 use crate::bits::aig::{Aig, Lit};
-use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, Guard, Inside, Machine, RegionId, StateId, StateKind, TransitionId};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -33,13 +33,17 @@ pub struct ChartState {
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
+    /// For each state of a region with a history, whether it was active when the region was active
+    /// last; nothing for other states.
+    pub last: Vec<Option<Lit>>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers.
+    /// All of it in one row: states, variables, inputs, outputs, timers, histories.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
-        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, fresh, past, last } = self;
+        let always = [active, variables, inputs, outputs, fresh, past].into_iter().flatten();
+        always.chain(last.iter().flatten()).copied().collect()
     }
 }
 
@@ -66,6 +70,8 @@ pub struct ChartStep<'m> {
     /// For each region, its transitions in the order in which they are tried.
     scoped: Vec<Vec<TransitionId>>,
     timers: BTreeMap<(StateId, u32), usize>,
+    /// For each region, whether some transition asks for its history.
+    histories: Vec<bool>,
     rounds: usize,
 }
 
@@ -82,7 +88,12 @@ impl<'m> ChartStep<'m> {
             });
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
-        ChartStep { machine, scoped: machine.scoped(), timers, rounds }
+        ChartStep { machine, scoped: machine.scoped(), timers, histories: histories(machine), rounds }
+    }
+
+    /// Whether the state is of a region whose history some transition asks for.
+    pub fn remembers(&self, state: StateId) -> bool {
+        self.histories[self.machine.states[state].region.index()]
     }
 
     /// The states and times in milliseconds that guards ask for, each once.
@@ -101,6 +112,7 @@ impl<'m> ChartStep<'m> {
             outputs: vec![Lit::FALSE; m.outputs.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
+            last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let fires = vec![Lit::FALSE; m.transitions.len()];
@@ -152,47 +164,91 @@ impl<'m> ChartStep<'m> {
     }
 
     /// Which states are active after the transitions that fire, and which of them have been entered;
-    /// with `start` the outermost regions are.
-    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> (Vec<Lit>, Vec<Lit>) {
+    /// with `start` the outermost regions are. `reading` is from before the step.
+    fn configuration(&self, aig: &mut Aig, reading: &Reading<'_>, fires: &[Lit], start: Lit) -> (Vec<Lit>, Vec<Lit>) {
         let m = self.machine;
-        // For each state, who leaves it as a state of the transition's scope, and who names it on the
-        // way down to the target.
+        let before = reading.before;
+        // For each state, who leaves it as a state of the transition's scope, who names it on the way
+        // down to the target, and who asks for its history: that of its regions, and of all below.
         let mut leave = vec![Vec::new(); m.states.len()];
         let mut name = vec![Vec::new(); m.states.len()];
+        let mut shallow = vec![Vec::new(); m.states.len()];
+        let mut deep = vec![Vec::new(); m.states.len()];
         for (id, t) in m.transitions.iter() {
             let fires = fires[id.index()];
             if fires == Lit::FALSE {
                 continue;
             }
             leave[m.child_in(t.scope, t.source).expect("the scope holds the source").index()].push(fires);
-            for s in m.ancestors(t.target) {
-                name[s.index()].push(fires);
-                if m.states[s].region == t.scope {
-                    break;
+            for &goal in t.goals() {
+                for s in m.ancestors(goal) {
+                    name[s.index()].push(fires);
+                    if m.states[s].region == t.scope {
+                        break;
+                    }
                 }
+            }
+            match t.inside {
+                Inside::History => shallow[t.target.index()].push(fires),
+                Inside::DeepHistory => deep[t.target.index()].push(fires),
+                Inside::Default | Inside::Fork(_) => {}
             }
         }
         let mut left = vec![Lit::FALSE; m.states.len()];
         let mut entered = vec![Lit::FALSE; m.states.len()];
         let mut active = vec![Lit::FALSE; m.states.len()];
-        for (_, region) in m.regions.iter() {
+        for (id, region) in m.regions.iter() {
             let (gone, come) = match region.parent {
                 Some(p) => (left[p.index()], entered[p.index()]),
                 None => (Lit::FALSE, start),
             };
-            let named: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
-            let some_named = aig.any(&named);
-            let by_default = aig.and(come, !some_named);
-            for (&s, &named) in region.states.iter().zip(&named) {
+            // For each of its states, when it is entered.
+            let mut when: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
+            let place = |s: StateId| region.states.iter().position(|&t| t == s).expect("a region begins in itself");
+            if let Some(p) = region.parent.filter(|_| self.histories[id.index()]) {
+                let (shallow, below) = (aig.any(&shallow[p.index()]), aig.any(&deep[p.index()]));
+                let resumes = aig.or(shallow, below);
+                for (when, &s) in when.iter_mut().zip(&region.states) {
+                    if m.states[s].kind == StateKind::Final {
+                        continue;
+                    }
+                    let last = before.last[s.index()].expect("a region with a history remembers its states");
+                    let resumed = aig.and(resumes, last);
+                    *when = aig.or(*when, resumed);
+                    deep[s.index()].push(aig.and(below, last));
+                }
+            }
+            let elsewhere = aig.any(&when);
+            let mut rest = aig.and(come, !elsewhere);
+            for (guard, s) in &region.entries {
+                let guard = reading.guard(aig, guard);
+                let here = aig.and(rest, guard);
+                when[place(*s)] = aig.or(when[place(*s)], here);
+                rest = aig.and(rest, !guard);
+            }
+            when[place(region.initial)] = aig.or(when[place(region.initial)], rest);
+            for (&s, &when) in region.states.iter().zip(&when) {
                 let i = s.index();
                 let own = aig.any(&leave[i]);
                 left[i] = aig.or(gone, own);
-                entered[i] = if s == region.initial { aig.or(named, by_default) } else { named };
-                let stays = aig.and(before[i], !left[i]);
+                entered[i] = when;
+                let stays = aig.and(before.active[i], !left[i]);
                 active[i] = aig.or(stays, entered[i]);
             }
         }
         (active, entered)
+    }
+
+    /// What was the last state of each region with a history once these states are active.
+    fn last(&self, aig: &mut Aig, before: &ChartState, active: &[Lit]) -> Vec<Option<Lit>> {
+        let m = self.machine;
+        let states = m.states.iter().zip(&before.last);
+        states
+            .map(|((id, state), &last)| {
+                let parent = m.regions[state.region].parent?;
+                Some(aig.select(active[parent.index()], active[id.index()], last?))
+            })
+            .collect()
     }
 
     /// Everything after the transitions.
@@ -206,7 +262,10 @@ impl<'m> ChartStep<'m> {
         start: Lit,
     ) -> ChartScan {
         let m = self.machine;
-        let (active, entered) = self.configuration(aig, &before.active, &fires, start);
+        let reading =
+            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
+        let (active, entered) = self.configuration(aig, &reading, &fires, start);
+        let last = self.last(aig, before, &active);
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         for (id, t) in m.transitions.iter() {
             for &(v, value) in &t.effects {
@@ -246,9 +305,31 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past, last };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
+}
+
+/// For each region, whether some transition asks for its history.
+fn histories(machine: &Machine) -> Vec<bool> {
+    let mut shallow = vec![false; machine.states.len()];
+    let mut deep = shallow.clone();
+    for t in machine.transitions.values() {
+        match t.inside {
+            Inside::History => shallow[t.target.index()] = true,
+            Inside::DeepHistory => deep[t.target.index()] = true,
+            Inside::Default | Inside::Fork(_) => {}
+        }
+    }
+    let mut asked = vec![false; machine.regions.len()];
+    for (id, region) in machine.regions.iter() {
+        // What is deep reaches all that is below; a parent comes before what it contains.
+        for &s in &region.states {
+            deep[s.index()] |= region.parent.is_some_and(|p| deep[p.index()]);
+        }
+        asked[id.index()] = region.parent.is_some_and(|p| shallow[p.index()] || deep[p.index()]);
+    }
+    asked
 }
 
 /// First all that set, then all that reset; `writes` holds for each variable who resets and who sets it.

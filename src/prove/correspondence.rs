@@ -23,6 +23,9 @@ pub struct Correspondence {
     /// For each state, the program that holds its step, and the step; nothing where no step of its own
     /// stands for it.
     pub steps: Vec<Option<(String, String)>>,
+    /// For each state, the global that is TRUE if the state was the last one of its region; nothing
+    /// where no history asks for it.
+    pub last: Vec<Option<String>>,
     /// The global for each output's command.
     pub commands: Vec<Option<String>>,
     /// The global for each constraint that is TRUE when it had to act.
@@ -79,6 +82,7 @@ impl Correspondence {
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
+            last: machine.states.values().map(|s| find(Role::History, s.span)).collect(),
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
             acted: machine.safety.constraints.values().map(|c| find(Role::Alarm, c.span)).collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),
@@ -94,9 +98,10 @@ fn rank(role: Role) -> u8 {
         Role::Output => 1,
         Role::Variable => 2,
         Role::StepFlag => 3,
-        Role::Condition => 4,
-        Role::Command => 5,
-        Role::Filter => 6,
-        Role::Alarm => 7,
+        Role::History => 4,
+        Role::Condition => 5,
+        Role::Command => 6,
+        Role::Filter => 7,
+        Role::Alarm => 8,
     }
 }

@@ -94,6 +94,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// Whether the state was the last one of its region, active or not; of regions with a history.
+    Last(StateId, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -109,6 +111,9 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Last(s, same) => {
+                state.last[s.index()].expect("only states of regions with a history").xor(!same)
+            },
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -122,7 +127,8 @@ impl Meaning {
             | Meaning::Active(..)
             | Meaning::Input(..)
             | Meaning::Output(..)
-            | Meaning::Variable(..) => Lit::TRUE,
+            | Meaning::Variable(..)
+            | Meaning::Last(..) => Lit::TRUE,
         }
     }
 
@@ -135,6 +141,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Last(s, same) => Meaning::Last(s, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -157,6 +164,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Last(s, same) => (same, format!("{} was last in its region", machine.state_path(s))),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

@@ -121,6 +121,7 @@ impl<'a> Builder<'_, 'a, '_> {
             parent,
             actuator,
             states: Vec::new(),
+            entries: Vec::new(),
             initial: chart::StateId::from_index(0),
             span,
         });

@@ -102,6 +102,7 @@ fn movement(
             into.push(chart::Transition {
                 source: state,
                 target,
+                inside: chart::Inside::Default,
                 scope: body.region,
                 guard: sensor,
                 effects: Vec::new(),
@@ -237,6 +238,7 @@ fn transition(
     chart::Transition {
         source,
         target,
+        inside: chart::Inside::Default,
         scope,
         guard,
         effects,

@@ -27,6 +27,7 @@
 //! ```
 
 mod code;
+mod entry;
 mod filter;
 mod steps;
 
@@ -176,7 +177,7 @@ impl Chart {
         self.memory.scan += 1;
         self.sample(inputs);
         if self.memory.scan == 1 {
-            self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
+            self.steps.begin(&self.code, &mut self.memory, &mut self.configuration);
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }

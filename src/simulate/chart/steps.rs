@@ -1,8 +1,9 @@
 //! Transitions to tables: what each leaves and enters is known before the first scan.
 //!
 //! A transition's source lies in one state of its scope, and firing leaves that state with all that is
-//! inside, active or not: a mask over the words of states. What it enters depends on nothing but the
-//! transition: another mask, and for each entered region its new state.
+//! inside, active or not: a mask over the words of states. What it enters mostly depends on nothing but
+//! the transition: another mask, and for each entered region its new state. Where it depends on guards
+//! or on where a region was left, it is looked up when the transition fires, see [`entry`](super::entry).
 //!
 //! The table is sorted by the state of the scope that is left. So for an active region only the
 //! transitions that leave its active state are looked at, in the order in which they are tried.
@@ -12,7 +13,8 @@
 //! it: of two transitions that fire in one scan, neither leaves or enters what the other does.
 
 use super::code::{Code, Condition, Layout, Memory, append, part};
-use crate::ir::chart::{Atom, Machine, RegionId, StateId, Transition, TransitionId};
+use super::entry::{Entries, Way};
+use crate::ir::chart::{Atom, Inside, Machine, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -24,7 +26,16 @@ struct Step {
     /// Its guard; with it that its source is active, where that is not certain.
     enabled: Condition,
     changes: Range<u32>,
-    enters: Range<u32>,
+    enters: Enters,
+}
+
+/// What a transition enters.
+#[derive(Clone, Debug)]
+enum Enters {
+    /// Always the same: for each region, its new state; their bits are among the changes.
+    Fixed(Range<u32>),
+    /// It depends.
+    Looked(Way),
 }
 
 /// What becomes of one word: first bits are cleared, then set.
@@ -48,19 +59,20 @@ pub struct Steps {
     regions: Vec<RegionId>,
     /// The outermost regions of all charts.
     outermost: Range<u32>,
-    /// What the first scan enters.
-    initial: Vec<(RegionId, StateId)>,
+    entries: Entries,
+    layout: Layout,
 }
 
 /// Which state is active in each region, and room for work that never has to grow.
 #[derive(Clone, Debug)]
 pub struct Configuration {
-    /// The active state of each region; of an inactive region, anything.
+    /// The active state of each region; of an inactive one, the last one, if there was one.
     active: Vec<StateId>,
     /// The transitions that fired in this scan.
     fired: Vec<TransitionId>,
-    /// The same as places in the table.
-    firing: Vec<u32>,
+    /// The same as places in the table, with what they enter as far as it was looked up.
+    firing: Vec<(u32, Range<u32>)>,
+    looked: Vec<(RegionId, StateId)>,
     /// Active regions that have still to be looked at.
     open: Vec<RegionId>,
 }
@@ -74,6 +86,7 @@ impl Configuration {
             active: machine.regions.values().map(|r| r.initial).collect(),
             fired: Vec::with_capacity(regions),
             firing: Vec::with_capacity(regions),
+            looked: Vec::with_capacity(regions),
             open: Vec::with_capacity(regions),
         }
     }
@@ -95,12 +108,10 @@ impl Steps {
             inside: Vec::with_capacity(machine.states.len()),
             regions: Vec::with_capacity(machine.regions.len()),
             outermost: 0..0,
-            initial: Vec::new(),
+            entries: Entries::of(machine, code),
+            layout,
         };
         all.outermost = append(&mut all.regions, machine.charts.iter().flat_map(|c| c.regions.iter().copied()));
-        for &region in part(&all.regions, &all.outermost) {
-            enter(machine, machine.regions[region].initial, None, &mut all.initial);
-        }
         for state in machine.states.values() {
             let range = append(&mut all.regions, state.regions.iter().copied());
             all.inside.push(range);
@@ -134,7 +145,11 @@ impl Steps {
 
         let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
         let mut entered = Vec::new();
-        enter(machine, first, Some(t.target), &mut entered);
+        let fixed = matches!(t.inside, Inside::Default | Inside::Fork(_))
+            && enter(machine, first, t.goals(), &mut entered);
+        if !fixed {
+            entered.clear();
+        }
 
         // Clearing and setting, by word.
         let mut words: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
@@ -152,43 +167,69 @@ impl Steps {
         }
         let changes = words.into_iter().map(|(word, (clear, set))| Change { word: word as u32, clear, set });
         let changes = append(&mut self.changes, changes);
-        let enters = append(&mut self.enters, entered);
+        let enters = if fixed {
+            Enters::Fixed(append(&mut self.enters, entered))
+        } else {
+            Enters::Looked(self.entries.way(machine, first, t))
+        };
         self.steps.push(Step { id, enabled, changes, enters });
     }
 
-    /// Enters the initial states.
-    pub fn begin(&self, layout: Layout, memory: &mut Memory, configuration: &mut Configuration) {
-        for &(region, state) in &self.initial {
-            configuration.active[region.index()] = state;
+    /// Enters the outermost regions.
+    pub fn begin(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { active, looked, .. } = configuration;
+        for &region in part(&self.regions, &self.outermost) {
+            self.entries.begin(region, code, memory, looked);
+        }
+        self.enter(looked, active, memory);
+    }
+
+    /// Enters what has been looked up.
+    fn enter(&self, looked: &[(RegionId, StateId)], active: &mut [StateId], memory: &mut Memory) {
+        for &(region, state) in looked {
+            active[region.index()] = state;
             memory.entered[state.index()] = memory.scan;
-            let (word, bit) = layout.state(state);
+            let (word, bit) = self.layout.state(state);
             memory.words[word] |= bit;
         }
     }
 
     /// Each chart takes one step, effects on variables included.
     pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, fired, firing, open } = configuration;
+        let Configuration { active, fired, firing, looked, open } = configuration;
         fired.clear();
         firing.clear();
+        looked.clear();
         open.extend_from_slice(part(&self.regions, &self.outermost));
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
             match part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, memory)) {
-                Some(at) => firing.push(candidates.start + at as u32),
+                Some(at) => {
+                    let at = candidates.start + at as u32;
+                    let from = looked.len() as u32;
+                    if let Enters::Looked(way) = &self.steps[at as usize].enters {
+                        self.entries.look(way, code, memory, active, looked);
+                    }
+                    firing.push((at, from..looked.len() as u32));
+                }
                 None => open.extend_from_slice(part(&self.regions, &self.inside[state])),
             }
         }
-        for &at in firing.iter() {
-            let step = &self.steps[at as usize];
+        for (at, of_looked) in firing.iter() {
+            let step = &self.steps[*at as usize];
             for change in part(&self.changes, &step.changes) {
                 let word = &mut memory.words[change.word as usize];
                 *word = *word & !change.clear | change.set;
             }
-            for &(region, state) in part(&self.enters, &step.enters) {
-                active[region.index()] = state;
-                memory.entered[state.index()] = memory.scan;
+            match &step.enters {
+                Enters::Fixed(enters) => {
+                    for &(region, state) in part(&self.enters, enters) {
+                        active[region.index()] = state;
+                        memory.entered[state.index()] = memory.scan;
+                    }
+                }
+                Enters::Looked(_) => self.enter(part(looked, of_looked), active, memory),
             }
             fired.push(step.id);
         }
@@ -216,15 +257,16 @@ fn within(machine: &Machine, layout: Layout) -> Vec<Vec<(usize, u64)>> {
     within
 }
 
-/// What is entered with `state`: on the way down to `target` each region that contains it takes that
-/// way, every other region its initial state.
-fn enter(machine: &Machine, state: StateId, target: Option<StateId>, into: &mut Vec<(RegionId, StateId)>) {
+/// What is entered with `state`, if that is always the same: on the way down to `goals` each region that
+/// contains one takes that way, every other region begins where it begins.
+fn enter(machine: &Machine, state: StateId, goals: &[StateId], into: &mut Vec<(RegionId, StateId)>) -> bool {
     into.push((machine.states[state].region, state));
-    let target = target.filter(|&t| t != state);
-    for &region in &machine.states[state].regions {
-        match target.and_then(|t| machine.child_in(region, t)) {
-            Some(child) => enter(machine, child, target, into),
-            None => enter(machine, machine.regions[region].initial, None, into),
+    machine.states[state].regions.iter().all(|&region| {
+        let mut named = goals.iter().filter(|&&goal| goal != state).filter_map(|&g| machine.child_in(region, g));
+        let begins = &machine.regions[region];
+        match named.next() {
+            Some(child) => enter(machine, child, goals, into),
+            None => begins.entries.is_empty() && enter(machine, begins.initial, &[], into),
         }
-    }
+    })
 }

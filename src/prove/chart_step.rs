@@ -268,8 +268,8 @@ impl<'m> ChartStep<'m> {
         let last = self.last(aig, before, &active);
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         for (id, t) in m.transitions.iter() {
-            for &(v, value) in &t.effects {
-                writes[v.index()][usize::from(value)].push(fires[id.index()]);
+            for effect in &t.effects {
+                writes[effect.variable.index()][usize::from(effect.value)].push(fires[id.index()]);
             }
         }
         let variables = write(aig, &before.variables, &writes);

@@ -19,6 +19,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         look(&t.guard);
         t.effects.iter().for_each(|e| written[e.variable.index()] = true);
     }
+    machine.regions.values().flat_map(|r| &r.entries).for_each(|(g, _)| look(g));
     for state in machine.states.values() {
         for d in &state.drives {
             look(&d.condition);

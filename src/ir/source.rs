@@ -167,6 +167,7 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&region.body))?;
         }
         body.states.iter().try_for_each(|s| self.state(s))?;
+        body.choices.iter().try_for_each(|c| self.choice(c))?;
         body.transitions.iter().try_for_each(|t| self.transition(t))
     }
 
@@ -192,24 +193,35 @@ impl Writer {
         let source = match &t.source {
             Source::State(path) => words(path),
             Source::Any(_) => "any".to_owned(),
+            Source::Join(paths) => several(paths),
         };
         let (verb, name) = match &t.movement {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
             None => ("from", String::new()),
         };
         let priority = t.priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default();
-        let effects: Vec<String> = t
-            .effects
-            .iter()
-            .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text))
-            .collect();
-        let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
         self.line(format_args!(
-            "{verb} {source} to {}{name}{priority}{}{effects}{}",
-            words(&t.target),
+            "{verb} {source} to {}{name}{priority}{}{}{}",
+            target(&t.target),
             when(&t.guard),
+            effects(&t.effects),
             text(&t.description)
         ))
+    }
+
+    fn choice(&mut self, c: &Choice) -> fmt::Result {
+        let initial = if c.initial.is_some() { "initial " } else { "" };
+        self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
+            c.branches.iter().try_for_each(|b| {
+                let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
+                w.line(format_args!(
+                    "{head} to {}{}{}",
+                    target(&b.target),
+                    effects(&b.effects),
+                    text(&b.description)
+                ))
+            })
+        })
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
@@ -253,6 +265,24 @@ fn list(names: &[Name]) -> String {
 
 fn when(guard: &Option<Guard>) -> String {
     guard.as_ref().map(|g| format!(" when {}", condition(g))).unwrap_or_default()
+}
+
+fn target(target: &Target) -> String {
+    match target {
+        Target::State(path) => words(path),
+        Target::History { of, deep } => format!("{}history of {}", if *deep { "deep " } else { "" }, words(of)),
+        Target::Fork(paths) => several(paths),
+    }
+}
+
+fn several(paths: &[Path]) -> String {
+    format!("({})", paths.iter().map(words).collect::<Vec<_>>().join(", "))
+}
+
+fn effects(effects: &[Effect]) -> String {
+    let each = effects.iter().map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text));
+    let each: Vec<String> = each.collect();
+    if each.is_empty() { String::new() } else { format!(" then {}", each.join(", ")) }
 }
 
 fn words(path: &Path) -> String {

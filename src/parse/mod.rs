@@ -87,6 +87,7 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_position => Rule::lone_position,
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,
+        Rule::bad_branch => Rule::lone_branch,
         Rule::bad_constraint => Rule::lone_constraint,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,

@@ -42,13 +42,13 @@ pub fn ways<'a>(
     source: Option<StateId>,
 ) -> Option<Vec<Way<'a>>> {
     let mut walk = Walk { r, choices, source, open: Vec::new(), ways: Vec::new() };
-    let nothing = So { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
+    let nothing = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
     walk.follow(target, region, nothing).then_some(walk.ways)
 }
 
 /// What has been met on the way so far.
 #[derive(Clone)]
-struct So<'a> {
+struct Taken<'a> {
     first: Guard,
     exact: Guard,
     effects: Vec<&'a ast::Effect>,
@@ -66,11 +66,11 @@ struct Walk<'w, 'a> {
 
 impl<'a> Walk<'_, 'a> {
     /// Whether nothing was wrong on the way. Recursion is bounded by [`limits::WAYS`].
-    fn follow(&mut self, target: &'a ast::Target, region: RegionId, so: So<'a>) -> bool {
+    fn follow(&mut self, target: &'a ast::Target, region: RegionId, taken: Taken<'a>) -> bool {
         let end = match target {
             ast::Target::State(path) => match self.r.target(path, region) {
                 None => None,
-                Some(Place::Choice(choice)) => return self.branch(choice, target.span(), so),
+                Some(Place::Choice(choice)) => return self.branch(choice, target.span(), taken),
                 Some(Place::State(state)) => Some((state, Inside::Default)),
                 Some(Place::Region(_)) => unreachable!("a region is no target"),
             },
@@ -84,12 +84,12 @@ impl<'a> Walk<'_, 'a> {
             }
         };
         let Some((target, inside)) = end else { return false };
-        let So { first, exact, effects, descriptions } = so;
+        let Taken { first, exact, effects, descriptions } = taken;
         self.ways.push(Way { target, inside, first, exact, effects, descriptions });
         true
     }
 
-    fn branch(&mut self, choice: usize, span: Span, so: So<'a>) -> bool {
+    fn branch(&mut self, choice: usize, span: Span, taken: Taken<'a>) -> bool {
         let Choice { written, region, .. } = self.choices[choice];
         self.choices[choice].used = true;
         if let Some(at) = self.open.iter().position(|&c| c == choice) {
@@ -111,15 +111,15 @@ impl<'a> Walk<'_, 'a> {
             Some(source) => Context::Guard { region, source },
             None => Context::Active { region },
         };
-        let mut rest = so.exact.clone();
+        let mut rest = taken.exact.clone();
         let mut fine = true;
         for branch in &written.branches {
             if self.ways.len() >= limits::WAYS {
                 return self.too_many(span);
             }
             let guard = branch.guard.as_ref().map_or(Expr::TRUE, |g| self.r.guard(g, &context));
-            let mut next = so.clone();
-            next.first = Expr::all([so.first.clone(), guard.clone()]);
+            let mut next = taken.clone();
+            next.first = Expr::all([taken.first.clone(), guard.clone()]);
             next.exact = Expr::all([rest.clone(), guard.clone()]);
             next.effects.extend(&branch.effects);
             next.descriptions.extend(branch.description.as_ref().map(|t| t.value.as_str()));
@@ -237,8 +237,8 @@ pub fn begin<'a>(r: &mut Resolver, choices: &mut [Choice<'a>]) {
             continue;
         }
         let mut walk = Walk { r: &mut *r, choices: &mut *choices, source: None, open: Vec::new(), ways: Vec::new() };
-        let so = So { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
-        let fine = walk.branch(i, written.name.span, so);
+        let taken = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
+        let fine = walk.branch(i, written.name.span, taken);
         let mut ways = walk.ways;
         let wrong = ways.iter().find_map(|way| {
             let name = &r.machine.states[way.target].name;

@@ -9,6 +9,7 @@
 
 mod behaviour;
 mod safety;
+mod topology;
 mod tree;
 
 use super::items::Item;
@@ -25,6 +26,7 @@ pub fn model(seed: u64) -> Vec<Item> {
     let mut model = Model::new(rng, size);
     model.tree(size);
     model.transitions();
+    model.topology();
     model.behaviour();
     let safety = model.safety();
     let mut items = model.declarations();
@@ -64,6 +66,8 @@ struct Region {
     variables: Vec<usize>,
     /// The bistable actuators that may be driven in it.
     bistable: Vec<usize>,
+    /// The choice by which it begins, if it does not begin at its initial state.
+    begins: Option<Item>,
     lines: Vec<Item>,
 }
 

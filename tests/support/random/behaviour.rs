@@ -193,18 +193,18 @@ impl Model {
     }
 
     /// Writes a transition into a region; one that belongs to a parallel state may stand beside them.
-    fn put(&mut self, region: usize, text: String) {
+    pub fn put(&mut self, region: usize, text: String) {
         self.regions[region].lines.push(Item::line(text));
     }
 
-    fn priority(&mut self) -> String {
+    pub fn priority(&mut self) -> String {
         if !self.rng.chance(20) {
             return String::new();
         }
         self.priorities.pop().map(|p| format!(" priority {p}")).unwrap_or_default()
     }
 
-    fn effects(&mut self, scope: usize) -> String {
+    pub fn effects(&mut self, scope: usize) -> String {
         let mut variables = self.regions[scope].variables.clone();
         if variables.is_empty() || !self.rng.chance(35) {
             return String::new();
@@ -261,7 +261,7 @@ impl Model {
     }
 
     /// The guard of a transition, which may wait for some time.
-    fn timed(&mut self, depth: usize) -> String {
+    pub fn timed(&mut self, depth: usize) -> String {
         let (guard, time) = (self.guard(depth), self.rng.between(1, 80));
         match self.rng.below(100) {
             0..=3 => format!("after {time}ms"),

@@ -214,12 +214,7 @@ impl Writer {
         self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
             c.branches.iter().try_for_each(|b| {
                 let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
-                w.line(format_args!(
-                    "{head} to {}{}{}",
-                    target(&b.target),
-                    effects(&b.effects),
-                    text(&b.description)
-                ))
+                w.line(format_args!("{head} to {}{}{}", target(&b.target), effects(&b.effects), text(&b.description)))
             })
         })
     }

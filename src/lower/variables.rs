@@ -87,7 +87,8 @@ fn history(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
     let machine = context.machine;
     for (state, id) in context.conditions.last.clone() {
         let path = machine.state_path(state);
-        let parent = machine.regions[machine.states[state].region].parent.expect("what has a history is inside a state");
+        let parent =
+            machine.regions[machine.states[state].region].parent.expect("what has a history is inside a state");
         let (active, around) = (context.flags[state.index()], context.flags[parent.index()]);
         let kept = Expr::all([Expr::Atom(id), Expr::Atom(around).not()]);
         let condition = Expr::any([Expr::Atom(active), kept]);

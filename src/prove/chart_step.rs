@@ -305,7 +305,8 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past, last };
+        let after =
+            ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past, last };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }

@@ -172,7 +172,9 @@ impl Claim {
     fn latch(&self) -> usize {
         match self {
             Claim::Part(_, latch) | Claim::Memory(_, latch) => *latch,
-            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+                unreachable!("they are about the chart alone")
+            }
         }
     }
 
@@ -189,7 +191,9 @@ impl Claim {
         match self {
             Claim::Part(part, _) => (part.after(chart), Lit::TRUE),
             Claim::Memory(meaning, _) => (meaning.of(&chart.after), meaning.matters(&chart.after)),
-            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+                unreachable!("they are about the chart alone")
+            }
         }
     }
 }

@@ -111,9 +111,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
-            Meaning::Last(s, same) => {
-                state.last[s.index()].expect("only states of regions with a history").xor(!same)
-            },
+            Meaning::Last(s, same) => state.last[s.index()].expect("only states of regions with a history").xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }

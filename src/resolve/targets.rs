@@ -41,7 +41,7 @@ pub fn ways<'a>(
     region: RegionId,
     source: Option<StateId>,
 ) -> Option<Vec<Way<'a>>> {
-    let mut walk = Walk { r, choices, source, open: Vec::new(), ways: Vec::new() };
+    let mut walk = Walk { r, choices, source, open: Vec::new(), ways: Vec::new(), too_many: false };
     let nothing = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
     walk.follow(target, region, nothing).then_some(walk.ways)
 }
@@ -62,6 +62,8 @@ struct Walk<'w, 'a> {
     /// The choices on the way.
     open: Vec<usize>,
     ways: Vec<Way<'a>>,
+    /// Whether there are too many, which is said once.
+    too_many: bool,
 }
 
 impl<'a> Walk<'_, 'a> {
@@ -131,6 +133,9 @@ impl<'a> Walk<'_, 'a> {
     }
 
     fn too_many(&mut self, span: Span) -> bool {
+        if std::mem::replace(&mut self.too_many, true) {
+            return false;
+        }
         self.r.diagnostics.push(
             Diagnostic::new(Code::TooManyWays, format!("more than {} ways lead on from here", limits::WAYS))
                 .label(span, "through this choice and those behind it")
@@ -236,7 +241,14 @@ pub fn begin<'a>(r: &mut Resolver, choices: &mut [Choice<'a>]) {
         if written.initial.is_none() {
             continue;
         }
-        let mut walk = Walk { r: &mut *r, choices: &mut *choices, source: None, open: Vec::new(), ways: Vec::new() };
+        let mut walk = Walk {
+            r: &mut *r,
+            choices: &mut *choices,
+            source: None,
+            open: Vec::new(),
+            ways: Vec::new(),
+            too_many: false,
+        };
         let taken = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
         let fine = walk.branch(i, written.name.span, taken);
         let mut ways = walk.ways;

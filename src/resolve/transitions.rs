@@ -86,9 +86,7 @@ fn sources(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Source) -> 
     match written {
         ast::Source::State(path) => (r.path(path, body.region).into_iter().collect(), Vec::new()),
         ast::Source::Join(paths) => match r.side_by_side(paths, body.region) {
-            Some((parallel, states)) => {
-                (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect())
-            }
+            Some((parallel, states)) => (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect()),
             None => (Vec::new(), Vec::new()),
         },
         ast::Source::Any(_) if body.owns_region => (r.machine.regions[body.region].states.clone(), Vec::new()),

@@ -84,14 +84,7 @@ impl Entries {
     }
 
     /// Looks up what a transition enters that goes this way: each region with its new state.
-    pub fn look(
-        &self,
-        way: &Way,
-        code: &Code,
-        memory: &Memory,
-        last: &[StateId],
-        into: &mut Vec<(RegionId, StateId)>,
-    ) {
+    pub fn look(&self, way: &Way, code: &Code, memory: &Memory, last: &[StateId], into: &mut Vec<(RegionId, StateId)>) {
         self.enter(way.first, How::Way, Some((way, last)), code, memory, into);
     }
 

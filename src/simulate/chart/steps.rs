@@ -145,8 +145,8 @@ impl Steps {
 
         let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
         let mut entered = Vec::new();
-        let fixed = matches!(t.inside, Inside::Default | Inside::Fork(_))
-            && enter(machine, first, t.goals(), &mut entered);
+        let fixed =
+            matches!(t.inside, Inside::Default | Inside::Fork(_)) && enter(machine, first, t.goals(), &mut entered);
         if !fixed {
             entered.clear();
         }

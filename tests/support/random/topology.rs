@@ -123,7 +123,9 @@ impl Model {
     }
 
     fn fork(&mut self) {
-        let (Some((parallel, names)), source) = (self.side_by_side(), self.rng.below(self.states.len())) else { return };
+        let (Some((parallel, names)), source) = (self.side_by_side(), self.rng.below(self.states.len())) else {
+            return;
+        };
         let Some(scope) = self.scope(source, parallel).filter(|_| !self.jumps(source, parallel)) else { return };
         let (priority, guard, effects) = (self.priority(), self.timed(2), self.effects(scope));
         self.put(scope, format!("from {} to {names}{priority} when {guard}{effects}", self.states[source].name));

@@ -188,7 +188,7 @@ codes! {
     NeverFires "E308" "a transition can never fire",
     TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
-    SetAndReset "E311" "one transition sets and resets a variable",
+    SetAndReset "E311" "one transition, entry or exit sets and resets a variable",
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
     NotSideBySide "E320" "the states of a fork or join are not in different regions of one parallel state",
@@ -197,6 +197,7 @@ codes! {
     NoHistory "E323" "a state that holds no states is entered by its history",
     BadBeginning "E324" "an initial choice does more than choose a state of its region",
     TooManyWays "E325" "too many ways lead through choices",
+    IdleInternal "E330" "an internal transition does nothing",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",

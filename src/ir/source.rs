@@ -157,6 +157,15 @@ impl Writer {
             let verb = if action.value { "sets" } else { "resets" };
             self.line(format_args!("{verb} {}{}", action.variable.text, when(&action.condition)))?;
         }
+        for (word, list) in [("entry", &body.entry), ("exit", &body.exit)] {
+            if !list.is_empty() {
+                self.line(format_args!("{word} {}", effects(list)))?;
+            }
+        }
+        for t in &body.internals {
+            let (when, then) = (condition(&t.guard), then(&t.effects));
+            self.line(format_args!("internal{} when {when}{then}{}", priority(t.priority), text(&t.description)))?;
+        }
         for region in &body.regions {
             let head = format!(
                 "region {}{}{}",
@@ -199,12 +208,12 @@ impl Writer {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
             None => ("from", String::new()),
         };
-        let priority = t.priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default();
         self.line(format_args!(
-            "{verb} {source} to {}{name}{priority}{}{}{}",
+            "{verb} {source} to {}{name}{}{}{}{}",
             target(&t.target),
+            priority(t.priority),
             when(&t.guard),
-            effects(&t.effects),
+            then(&t.effects),
             text(&t.description)
         ))
     }
@@ -214,7 +223,7 @@ impl Writer {
         self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
             c.branches.iter().try_for_each(|b| {
                 let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
-                w.line(format_args!("{head} to {}{}{}", target(&b.target), effects(&b.effects), text(&b.description)))
+                w.line(format_args!("{head} to {}{}{}", target(&b.target), then(&b.effects), text(&b.description)))
             })
         })
     }
@@ -231,6 +240,19 @@ impl Writer {
             })
         })
     }
+}
+
+fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
+    priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default()
+}
+
+fn effects(effects: &[Effect]) -> String {
+    let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text);
+    effects.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn then(list: &[Effect]) -> String {
+    if list.is_empty() { String::new() } else { format!(" then {}", effects(list)) }
 }
 
 fn clause(word: &str, name: Option<&Name>) -> String {
@@ -272,12 +294,6 @@ fn target(target: &Target) -> String {
 
 fn several(paths: &[Path]) -> String {
     format!("({})", paths.iter().map(words).collect::<Vec<_>>().join(", "))
-}
-
-fn effects(effects: &[Effect]) -> String {
-    let each = effects.iter().map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text));
-    let each: Vec<String> = each.collect();
-    if each.is_empty() { String::new() } else { format!(" then {}", each.join(", ")) }
 }
 
 fn words(path: &Path) -> String {

@@ -61,7 +61,7 @@ impl Entries {
             told: vec![false; machine.transitions.len()],
             again: BTreeMap::new(),
         };
-        for (id, t) in machine.transitions.iter() {
+        for (id, t) in machine.transitions.iter().filter(|(_, t)| !t.internal) {
             let top = machine.child_in(t.scope, t.target).expect("the scope holds the target");
             let reenters = machine.child_in(t.scope, t.source) == Some(top);
             if reenters {

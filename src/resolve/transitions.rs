@@ -11,6 +11,9 @@ use crate::ir::{ast, expr::Expr};
 pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut [Choice<'a>]) {
     let mut found = Vec::new();
     for body in bodies {
+        if let Some(state) = body.state {
+            found.extend(body.body.internals.iter().map(|written| internal(r, body, written, state)));
+        }
         // The braces of a plain composite state are its region's, which has its own entry.
         if body.state.is_some() && body.body.regions.is_empty() {
             continue;
@@ -42,7 +45,7 @@ fn plain<'a>(
         let guard = guard(r, body, written, source, &joined);
         let ways = targets::ways(r, choices, &written.target, body.region, Some(source));
         for way in ways.iter().flatten() {
-            let effects = effects(r, written.effects.iter().chain(way.effects.iter().copied()));
+            let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
             let Some(scope) = r.machine.scope(source, way.target) else {
                 r.diagnostics.push(
                     Diagnostic::new(Code::WrongKind, "no region holds both states")
@@ -58,9 +61,10 @@ fn plain<'a>(
                 source,
                 target: way.target,
                 inside: way.inside.clone(),
+                internal: false,
                 scope,
                 guard: Expr::all([guard.clone(), way.exact.clone()]),
-                effects,
+                deeds,
                 priority: written.priority.map(|(n, _)| n),
                 description,
                 span: written.span,
@@ -68,7 +72,7 @@ fn plain<'a>(
         }
         if ways.is_none() {
             // The rest may hold errors of its own.
-            effects(r, &written.effects);
+            r.deeds(&written.effects, "this transition");
             return;
         }
         if i > 0 {
@@ -130,16 +134,17 @@ fn movement(
     let (source, target) = (r.path(from, body.region), r.path(to, body.region));
     if let Some(source) = source {
         let guard = guard(r, body, written, source, &[]);
-        let effects = effects(r, &written.effects);
+        let deeds = r.deeds(&written.effects, "this transition");
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
             into.push(chart::Transition {
                 source,
                 target: state,
                 inside: Inside::Default,
+                internal: false,
                 scope: body.region,
                 guard,
-                effects,
+                deeds,
                 priority: written.priority.map(|(n, _)| n),
                 description: describe(&written.description),
                 span: written.span,
@@ -150,7 +155,8 @@ fn movement(
                 inside: Inside::Default,
                 scope: body.region,
                 guard: sensor,
-                effects: Vec::new(),
+                internal: false,
+                deeds: chart::Deeds::default(),
                 priority: None,
                 description: String::new(),
                 span: written.span,
@@ -248,22 +254,32 @@ fn guard(
     Expr::all(joined.iter().cloned().chain([guard]))
 }
 
-fn effects<'e>(r: &mut Resolver, written: impl IntoIterator<Item = &'e ast::Effect>) -> Vec<chart::Effect> {
-    let mut effects: Vec<chart::Effect> = Vec::new();
-    for effect in written {
-        let Some(variable) = r.variable(&effect.variable) else { continue };
-        match effects.iter().find(|e| e.variable == variable) {
-            None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
-            Some(first) if first.value == effect.value => {}
-            Some(first) => r.diagnostics.push(
-                Diagnostic::new(
-                    Code::SetAndReset,
-                    format!("this transition sets and resets `{}`", effect.variable.text),
-                )
-                .label(effect.variable.span, "and here the other")
-                .label(first.span, "here the one"),
-            ),
-        }
+/// A transition that leaves nothing, out of the state between whose braces it is written.
+fn internal(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Internal,
+    state: chart::StateId,
+) -> chart::Transition {
+    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state });
+    let deeds = r.deeds(&written.effects, "this transition");
+    if written.effects.is_empty() {
+        r.diagnostics.push(
+            Diagnostic::new(Code::IdleInternal, "this internal transition does nothing")
+                .label(written.span, "it leaves nothing and has no effect")
+                .help("write what happens: `internal when … then set VARIABLE`"),
+        );
     }
-    effects
+    chart::Transition {
+        source: state,
+        target: state,
+        inside: Inside::Default,
+        internal: true,
+        scope: r.machine.states[state].region,
+        guard,
+        deeds,
+        priority: written.priority.map(|(n, _)| n),
+        description: describe(&written.description),
+        span: written.span,
+    }
 }

@@ -27,9 +27,9 @@
 //! ```
 
 mod code;
-mod entry;
 mod filter;
 mod steps;
+mod ways;
 
 use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, TransitionId, VariableId};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Where regions begin and what states contain.
 #[derive(Clone, Debug)]
-pub struct Entries {
+pub struct Ways {
     /// For each region, the states at which it begins under a condition, and the one at which it begins
     /// otherwise.
     begins: Vec<(Range<u32>, StateId)>,
@@ -48,10 +48,10 @@ enum How {
     Default,
 }
 
-impl Entries {
+impl Ways {
     /// Tabulates the regions of `machine`; guards of their entries go into `code`.
-    pub fn of(machine: &Machine, code: &mut Code) -> Entries {
-        let mut all = Entries {
+    pub fn of(machine: &Machine, code: &mut Code) -> Ways {
+        let mut all = Ways {
             begins: Vec::with_capacity(machine.regions.len()),
             conditional: Vec::new(),
             states: Vec::with_capacity(machine.states.len()),

@@ -230,6 +230,7 @@ impl<'a> Both<'a> {
             outputs: none(pair.machine.outputs.len()),
             fresh: none(timers),
             past: none(timers),
+            marks: none(pair.machine.safety.marks().count()),
             last: pair.machine.states.ids().map(|s| pair.chart.remembers(s).then_some(Lit::FALSE)).collect(),
         };
         let program = pair.program.power_up();

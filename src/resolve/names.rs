@@ -219,6 +219,15 @@ impl Resolver {
         found
     }
 
+    /// Reports an observer that does more than to observe.
+    pub fn observes_only(&mut self, span: Span, message: &str) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::ObserverActs, format!("an observer only observes, and {message}"))
+                .label(span, "not in an observer")
+                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, a transition of the observer sets or resets"),
+        );
+    }
+
     pub fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
         match found {
             Some(symbol) => self.diagnostics.push(
@@ -303,8 +312,7 @@ impl Resolver {
                 }
             };
         }
-        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
-        let found: Vec<Place> = starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect();
+        let found = self.places(parts);
         let fits = |p: &Place| match p {
             Place::State(_) => true,
             Place::Choice(_) => choices,
@@ -354,6 +362,20 @@ impl Resolver {
                 .label(span, "a state is expected here")
                 .help("a choice is never active: only transitions and branches lead to it, and none leaves it but its branches"),
         );
+    }
+
+    /// All states that a path can mean, searched in the whole machine.
+    pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
+        let state = |p: Place| match p {
+            Place::State(id) => Some(id),
+            Place::Region(_) | Place::Choice(_) => None,
+        };
+        self.places(parts).into_iter().filter_map(state).collect()
+    }
+
+    fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
+        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
+        starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect()
     }
 
     fn not_a_state(&mut self, text: &str, span: Span) {

@@ -8,7 +8,7 @@ use super::Resolver;
 use super::expressions::Context;
 use super::names::Place;
 use crate::base::{Code, Diagnostic, Span, limits};
-use crate::ir::chart::{Guard, Inside, RegionId, StateId};
+use crate::ir::chart::{Guard, Inside, Phase, RegionId, StateId};
 use crate::ir::{ast, expr::Expr};
 
 /// A choice and the region in whose braces it stands.
@@ -39,7 +39,7 @@ pub fn ways<'a>(
     choices: &mut [Choice<'a>],
     target: &'a ast::Target,
     region: RegionId,
-    source: Option<StateId>,
+    source: Option<(StateId, Phase)>,
 ) -> Option<Vec<Way<'a>>> {
     let mut walk = Walk { r, choices, source, open: Vec::new(), ways: Vec::new(), too_many: false };
     let nothing = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
@@ -58,7 +58,7 @@ struct Taken<'a> {
 struct Walk<'w, 'a> {
     r: &'w mut Resolver,
     choices: &'w mut [Choice<'a>],
-    source: Option<StateId>,
+    source: Option<(StateId, Phase)>,
     /// The choices on the way.
     open: Vec<usize>,
     ways: Vec<Way<'a>>,
@@ -110,7 +110,7 @@ impl<'a> Walk<'_, 'a> {
         }
         self.open.push(choice);
         let context = match self.source {
-            Some(source) => Context::Guard { region, source },
+            Some((source, phase)) => Context::Guard { region, source, phase },
             None => Context::Active { region },
         };
         let mut rest = taken.exact.clone();

@@ -43,7 +43,7 @@ fn plain<'a>(
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
         let guard = guard(r, body, written, source, &joined);
-        let ways = targets::ways(r, choices, &written.target, body.region, Some(source));
+        let ways = targets::ways(r, choices, &written.target, body.region, Some((source, body.phase)));
         for way in ways.iter().flatten() {
             let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
             let Some(scope) = r.machine.scope(source, way.target) else {
@@ -62,6 +62,7 @@ fn plain<'a>(
                 target: way.target,
                 inside: way.inside.clone(),
                 internal: false,
+                phase: body.phase,
                 scope,
                 guard: Expr::all([guard.clone(), way.exact.clone()]),
                 deeds,
@@ -142,6 +143,7 @@ fn movement(
                 target: state,
                 inside: Inside::Default,
                 internal: false,
+                phase: body.phase,
                 scope: body.region,
                 guard,
                 deeds,
@@ -154,6 +156,7 @@ fn movement(
                 target,
                 inside: Inside::Default,
                 scope: body.region,
+                phase: body.phase,
                 guard: sensor,
                 internal: false,
                 deeds: chart::Deeds::default(),
@@ -246,7 +249,7 @@ fn guard(
     joined: &[Guard],
 ) -> Guard {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
+        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
         None if !joined.is_empty() => Expr::TRUE,
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
@@ -261,7 +264,7 @@ fn internal(
     written: &ast::Internal,
     state: chart::StateId,
 ) -> chart::Transition {
-    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state });
+    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state, phase: body.phase });
     let deeds = r.deeds(&written.effects, "this transition");
     if written.effects.is_empty() {
         r.diagnostics.push(
@@ -274,6 +277,7 @@ fn internal(
         source: state,
         target: state,
         inside: Inside::Default,
+        phase: body.phase,
         internal: true,
         scope: r.machine.states[state].region,
         guard,

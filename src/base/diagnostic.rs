@@ -192,6 +192,7 @@ codes! {
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
     IdleInternal "E330" "an internal transition does nothing",
+    LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",

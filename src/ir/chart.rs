@@ -20,7 +20,8 @@
 //! 4. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
-//!    wins; [`check`](crate::check) sees to it that there is a last one.
+//!    wins; [`check`](crate::check) sees to it that there is a last one. An event that any of them raises
+//!    is [TRUE](Atom::Event) throughout the next scan, and only then.
 //! 5. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
 //!    Their conditions read states as they are now and variables as 4 left them.
 //! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
@@ -42,6 +43,8 @@ pub type InputId = Id<Input>;
 pub type OutputId = Id<Output>;
 /// Names a variable.
 pub type VariableId = Id<Variable>;
+/// Names an event.
+pub type EventId = Id<Event>;
 /// Names an actuator.
 pub type ActuatorId = Id<Actuator>;
 /// Names a region.
@@ -68,6 +71,8 @@ pub struct Machine {
     pub outputs: Arena<Output>,
     /// What is remembered, in order of declaration.
     pub variables: Arena<Variable>,
+    /// What can be raised, in order of declaration.
+    pub events: Arena<Event>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
     /// The charts, in order of declaration. They run side by side.
@@ -125,6 +130,17 @@ pub struct Variable {
     pub span: Span,
 }
 
+/// Something that happens: raised in one scan, TRUE in exactly the next one.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// A technical device with positions. What its technology demands of outputs has become
 /// [`Drive`]s of states; what remains is for reading and for analysis.
 #[derive(Clone, Debug)]
@@ -150,7 +166,21 @@ pub struct Position {
     pub output: Option<OutputId>,
     /// What is TRUE when it is reached; over inputs only.
     pub sensor: Option<Guard>,
+    /// What happens in a movement to it that takes too long. It has become an internal
+    /// [`Transition`] of each movement, which is tried last.
+    pub limit: Option<Limit>,
     /// Where it is declared.
+    pub span: Span,
+}
+
+/// What happens in a movement that takes too long.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// How long it may take, in milliseconds.
+    pub time: u32,
+    /// What happens in each scan in which it has taken that long and does not end.
+    pub deeds: Deeds,
+    /// Where it is written.
     pub span: Span,
 }
 
@@ -170,6 +200,8 @@ pub enum Atom {
     PrevOutput(OutputId),
     /// The variable.
     Variable(VariableId),
+    /// Whether the event was raised in the scan before.
+    Event(EventId),
     /// Whether the state is active.
     In(StateId),
     /// Whether every region of the state is in a final state.
@@ -290,12 +322,14 @@ pub struct Action {
 pub struct Deeds {
     /// What becomes of variables; no variable twice.
     pub effects: Vec<Effect>,
+    /// The events that are raised; none twice.
+    pub raises: Vec<EventId>,
 }
 
 impl Deeds {
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
-        self.effects.is_empty()
+        self.effects.is_empty() && self.raises.is_empty()
     }
 }
 
@@ -445,6 +479,7 @@ impl Machine {
             Atom::Output(o) => self.outputs[o].name.clone(),
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::Event(e) => self.events[e].name.clone(),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),

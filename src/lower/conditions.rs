@@ -273,6 +273,7 @@ impl Context<'_> {
 /// The program of all that has been asked for.
 pub fn finish(context: &mut Context<'_>) -> Ladder {
     let mut rungs = Vec::new();
+    events(context, &mut rungs);
     previous_values(context, &mut rungs);
     let restarts = restarts(context);
     let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
@@ -298,6 +299,14 @@ fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
         rungs::timer(context, &mut rungs, coil, Timer { instance, preset: ms }, &running, text);
     }
     rungs
+}
+
+/// What was raised in the scan before is TRUE from here on until the next scan.
+fn events(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    for (event, &(now, next)) in context.machine.events.values().zip(&context.events.clone()) {
+        let text = format!("{} was raised in the scan before", event.name);
+        rung(context, rungs, (now, CoilKind::Plain), &Expr::Atom(next), text);
+    }
 }
 
 /// Two coils per input whose past is read: what it was, and what it is for the next scan. In the

@@ -29,6 +29,8 @@ pub struct ChartState {
     pub inputs: Vec<Lit>,
     /// For each output, what the filter let through in the last scan.
     pub outputs: Vec<Lit>,
+    /// For each event, whether it was raised in the last scan.
+    pub raised: Vec<Lit>,
     /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
@@ -36,10 +38,10 @@ pub struct ChartState {
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
-        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past } = self;
+        [active, variables, inputs, outputs, raised, fresh, past].into_iter().flatten().copied().collect()
     }
 }
 
@@ -48,6 +50,8 @@ impl ChartState {
 pub struct ChartScan {
     /// What is remembered; its outputs are those of this scan.
     pub after: ChartState,
+    /// For each event, whether it is TRUE.
+    pub events: Vec<Lit>,
     /// For each transition, whether it fires.
     pub fires: Vec<Lit>,
     /// For each output, whether an active state drives it.
@@ -99,6 +103,7 @@ impl<'m> ChartStep<'m> {
             variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.to_vec(),
             outputs: vec![Lit::FALSE; m.outputs.len()],
+            raised: vec![Lit::FALSE; m.events.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
         };
@@ -201,10 +206,10 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What becomes of variables by what happens once: what states do when they are left, from the inside
+    /// What becomes of variables by what happens once, and which events are raised: what states do when they are left, from the inside
     /// out, transitions, those of outer regions first, what states do when they are entered, from the
     /// outside in. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> Vec<Lit> {
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
         let m = self.machine;
         let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
@@ -216,6 +221,11 @@ impl<'m> ChartStep<'m> {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
             steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
         }
+        let mut raisers = vec![Vec::new(); m.events.len()];
+        for (happens, deeds) in steps.values().flatten() {
+            deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
+        }
+        let raised = raisers.iter().map(|by| aig.any(by)).collect();
         let mut variables = before.to_vec();
         for step in steps.values() {
             let mut writes: BTreeMap<VariableId, [Vec<Lit>; 2]> = BTreeMap::new();
@@ -228,7 +238,7 @@ impl<'m> ChartStep<'m> {
                 variables[v.index()] = write(aig, variables[v.index()], &writes);
             }
         }
-        variables
+        (variables, raised)
     }
 
     /// Everything after the transitions.
@@ -243,7 +253,7 @@ impl<'m> ChartStep<'m> {
     ) -> ChartScan {
         let m = self.machine;
         let moves = self.configuration(aig, &before.active, &fires, start);
-        let variables = self.happen(aig, &before.variables, &fires, &moves);
+        let (variables, raised) = self.happen(aig, &before.variables, &fires, &moves);
         let Moves { active, entered, .. } = moves;
 
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
@@ -277,8 +287,9 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
-        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+        let (inputs, outputs) = (inputs.to_vec(), filtered.outputs);
+        let after = ChartState { active, variables, inputs, outputs, raised, fresh, past };
+        ChartScan { after, events: before.raised.clone(), fires, commands, acted: filtered.acted, broken, begins }
     }
 }
 
@@ -321,6 +332,7 @@ impl Reading<'_> {
             Atom::Output(_) => unreachable!("outputs of this scan stand in constraints only"),
             Atom::PrevOutput(o) => self.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Event(e) => self.before.raised[e.index()],
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.elapsed[self.step.timers[&(s, ms)]],
             Atom::Done(s) => {

@@ -3,7 +3,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, OutputId, StateId, VariableId};
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +16,10 @@ pub enum Part {
     Output(OutputId),
     /// The variable's value.
     Variable(VariableId),
+    /// Whether the event is TRUE.
+    Event(EventId),
+    /// Whether the event is raised for the next scan.
+    Raised(EventId),
     /// Whether an active state drives the output.
     Command(OutputId),
     /// Whether the constraint had to act.
@@ -46,6 +50,8 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => scan.after.active[s.index()],
             Part::Output(o) => scan.after.outputs[o.index()],
             Part::Variable(v) => scan.after.variables[v.index()],
+            Part::Event(e) => scan.events[e.index()],
+            Part::Raised(e) => scan.after.raised[e.index()],
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
@@ -60,6 +66,8 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => format!("state {}", machine.state_path(s)),
             Part::Output(o) => format!("output {}", machine.outputs[o].name),
             Part::Variable(v) => format!("variable {}", machine.variables[v].name),
+            Part::Event(e) => format!("event {}", machine.events[e].name),
+            Part::Raised(e) => format!("event {} is raised", machine.events[e].name),
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
@@ -75,7 +83,8 @@ impl Part {
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
-            Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
+            Part::Raised(e) => Some(Meaning::Raised(e, true)),
+            Part::Event(_) | Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
     }
 }
@@ -94,6 +103,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// Whether the event was raised in the last scan.
+    Raised(EventId, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -109,6 +120,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Raised(e, same) => state.raised[e.index()].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -122,6 +134,7 @@ impl Meaning {
             | Meaning::Active(..)
             | Meaning::Input(..)
             | Meaning::Output(..)
+            | Meaning::Raised(..)
             | Meaning::Variable(..) => Lit::TRUE,
         }
     }
@@ -135,6 +148,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Raised(e, same) => Meaning::Raised(e, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -146,7 +160,8 @@ impl Meaning {
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
         let variables = machine.variables.ids().map(|v| Meaning::Variable(v, true));
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
-        inputs.chain(outputs).chain(variables).chain(states).collect()
+        let raised = machine.events.ids().map(|e| Meaning::Raised(e, true));
+        inputs.chain(outputs).chain(variables).chain(raised).chain(states).collect()
     }
 
     /// What it is, in the model's names.
@@ -157,6 +172,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Raised(e, same) => (same, format!("event {} was raised", machine.events[e].name)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

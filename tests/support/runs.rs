@@ -2,7 +2,7 @@
 //! its meaning, and against the program that the model is compiled to.
 
 use super::rng::Rng;
-use chartwright::ir::chart::{Atom, ConstraintId, Machine, OutputId, StateId, VariableId};
+use chartwright::ir::chart::{Atom, ConstraintId, EventId, Machine, OutputId, StateId, VariableId};
 use chartwright::ir::iec::VarId;
 use chartwright::ir::plc::Role;
 use chartwright::pipeline::{self, Dialect, Options};
@@ -59,6 +59,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
+            Atom::Event(e) => chart.event(e),
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
         let mut assumed = true;
@@ -85,6 +86,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let same = chart.active().eq(again.active())
             && chart.fired() == again.fired()
             && machine.variables.ids().all(|v| chart.variable(v) == again.variable(v))
+            && machine.events.ids().all(|e| chart.event(e) == again.event(e))
             && machine
                 .outputs
                 .ids()
@@ -103,6 +105,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
 enum Meaning {
     State(StateId),
     Variable(VariableId),
+    Event(EventId),
     Command(OutputId),
     Output(OutputId),
     Alarm(ConstraintId),
@@ -114,6 +117,7 @@ impl Meaning {
         match self {
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
+            Meaning::Event(e) => chart.event(e),
             Meaning::Command(o) => chart.command(o),
             Meaning::Output(o) => chart.output(o),
             Meaning::Alarm(c) => chart.acted(c),
@@ -145,6 +149,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
             Role::Input | Role::Condition | Role::Filter => None,
             Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
             Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
+            Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
             Role::Alarm => {
@@ -159,6 +164,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     // Each has to be there, and once.
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
+        .chain(machine.events.ids().map(Meaning::Event))
         .chain(machine.outputs.ids().map(Meaning::Output));
     for meaning in wanted {
         let names: Vec<&str> = meanings.iter().filter(|(_, m)| *m == meaning).map(|(n, _)| n.as_str()).collect();

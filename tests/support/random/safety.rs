@@ -129,6 +129,7 @@ impl Model {
             10..=11 => format!("prev(In{input})"),
             12..=14 => return format!("{}(In{input})", self.rng.pick(&["rise", "fall"])),
             15..=16 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            17 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

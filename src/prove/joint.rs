@@ -100,6 +100,7 @@ impl Joint {
             raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
+            marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);
         let latches =

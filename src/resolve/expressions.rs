@@ -61,12 +61,21 @@ impl Resolver {
                     Expr::FALSE
                 }
             },
-            Term::Alarm(path) => {
+            Term::Alarm(path) | Term::Acts(path) | Term::First(path) => {
                 self.misplaced(
-                    "only a scenario asks for alarms",
+                    "only a scenario asks what constraints do",
                     path.span(),
                     "not allowed here",
                     "say it by what the constraint says",
+                );
+                Expr::FALSE
+            }
+            Term::Blocked(span) => {
+                self.misplaced(
+                    "only a scenario asks whether the machine is blocked",
+                    *span,
+                    "not allowed here",
+                    "charts run on while it is, as if nobody looked at what they command",
                 );
                 Expr::FALSE
             }
@@ -159,7 +168,9 @@ impl Resolver {
                 );
                 Expr::FALSE
             }
-            (Symbol::Output(_) | Symbol::Variable(_) | Symbol::Event(_), Context::Sensor) => self.only_inputs(path, symbol),
+            (Symbol::Output(_) | Symbol::Variable(_) | Symbol::Event(_), Context::Sensor) => {
+                self.only_inputs(path, symbol)
+            }
         }
     }
 
@@ -281,7 +292,7 @@ impl Resolver {
         Expr::FALSE
     }
 
-    fn misplaced(&mut self, message: &str, span: Span, label: &str, help: &str) {
+    pub fn misplaced(&mut self, message: &str, span: Span, label: &str, help: &str) {
         self.diagnostics.push(Diagnostic::new(Code::WrongKind, message).label(span, label).help(help));
     }
 

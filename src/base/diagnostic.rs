@@ -198,6 +198,7 @@ codes! {
     BadBeginning "E324" "an initial choice does more than choose a state of its region",
     TooManyWays "E325" "too many ways lead through choices",
     IdleInternal "E330" "an internal transition does nothing",
+    LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 
     ObserverReads "E350" "an observer reads what the charts decide",
     ObserverActs "E351" "an observer does more than to observe",

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios};
+use super::{Rule, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -301,7 +301,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                     body: head.body.expect("a region has a body"),
                 });
             }
-            Rule::choice => body.choices.push(choice(p, bad)),
+            Rule::choice => body.choices.push(ways::choice(p, bad)),
             Rule::transition => body.transitions.push(transition(p)),
             Rule::drive => {
                 let (output, condition) = named_condition(p);
@@ -323,7 +323,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
 }
 
 /// The effect that the pair is, if it is one.
-fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+pub fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     if p.as_rule() != Rule::effect {
         return None;
     }
@@ -381,13 +381,13 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
                 let inner = p.into_inner().next().expect("a source is `any`, a path or several");
                 source = Some(match inner.as_rule() {
                     Rule::path => Source::State(path(inner)),
-                    Rule::several => Source::Join(paths(inner)),
+                    Rule::several => Source::Join(ways::paths(inner)),
                     _ => Source::Any(place),
                 });
             }
             Rule::path if source.is_none() => source = Some(Source::State(path(p))),
             Rule::path => target = Some(Target::State(path(p))),
-            Rule::target => target = Some(self::target(p)),
+            Rule::target => target = Some(ways::target(p)),
             Rule::name => {
                 // Only a movement has a name of its own.
                 if let Some(movement) = &mut movement {
@@ -404,55 +404,6 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
     let source = source.expect("a transition has a source");
     let target = target.expect("a transition has a target");
     Transition { source, target, movement, priority, guard: guard_, effects, description, span: whole }
-}
-
-fn target(p: Pair<'_, Rule>) -> Target {
-    let inner = p.into_inner().next().expect("a target is a path, several or a history");
-    match inner.as_rule() {
-        Rule::several => Target::Fork(paths(inner)),
-        Rule::history => {
-            let deep = inner.as_str().starts_with("deep");
-            let of = inner.into_inner().find(|p| p.as_rule() == Rule::path).map(path).expect("it names a state");
-            Target::History { of, deep }
-        }
-        _ => Target::State(path(inner)),
-    }
-}
-
-fn choice<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Choice {
-    let mut choice = Choice {
-        name: Name { text: String::new(), span: span(&p) },
-        initial: None,
-        description: None,
-        branches: Vec::new(),
-    };
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::kw_initial => choice.initial = Some(span(&p)),
-            Rule::name => choice.name = name(p),
-            Rule::text => choice.description = Some(text(p)),
-            Rule::branch => choice.branches.push(branch(p)),
-            Rule::bad_branch => bad.push(p),
-            _ => {}
-        }
-    }
-    choice
-}
-
-fn branch(p: Pair<'_, Rule>) -> Branch {
-    let whole = span(&p);
-    let (mut guard_, mut target_, mut effects, mut description) = (None, None, Vec::new(), None);
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::expression => guard_ = Some(guard(p)),
-            Rule::target => target_ = Some(target(p)),
-            Rule::effect => effects.extend(effect(p)),
-            Rule::text => description = Some(text(p)),
-            _ => {}
-        }
-    }
-    let target = target_.expect("a branch has a target");
-    Branch { guard: guard_, target, effects, description, span: whole }
 }
 
 fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
@@ -506,13 +457,8 @@ fn constraint(p: Pair<'_, Rule>) -> Constraint {
     }
 }
 
-fn path(p: Pair<'_, Rule>) -> Path {
+pub fn path(p: Pair<'_, Rule>) -> Path {
     Path { parts: p.into_inner().filter(|p| p.as_rule() == Rule::name).map(name).collect() }
-}
-
-/// The paths between parentheses.
-fn paths(p: Pair<'_, Rule>) -> Vec<Path> {
-    p.into_inner().filter(|p| p.as_rule() == Rule::path).map(path).collect()
 }
 
 fn path_ref(p: Pair<'_, Rule>) -> PathRef {

@@ -10,6 +10,7 @@ mod build;
 mod scan;
 mod scenarios;
 mod syntax_error;
+mod ways;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast;

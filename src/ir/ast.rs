@@ -4,7 +4,11 @@
 //! for what can stand where.
 
 use super::expr::Expr;
+pub use super::property::{Property, PropertyKind};
 use crate::base::Span;
+
+mod ways;
+pub use ways::{Branch, Choice, Source, Target};
 
 /// A word with its place: a declared name or one part of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,6 +57,8 @@ pub struct Machine {
     pub outputs: Vec<Signal>,
     /// All `variables { … }` in order.
     pub variables: Vec<Variable>,
+    /// All `events { … }` in order.
+    pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
     /// All `observer …` in order.
@@ -91,6 +97,15 @@ pub struct Variable {
     pub description: Option<Text>,
 }
 
+/// `JarPlaced "…"` among events.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The event's name.
+    pub name: Name,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
 /// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actuator {
@@ -119,7 +134,7 @@ pub enum Technology {
     OnOff,
 }
 
-/// `position Down output OVC sensor V1 "…"`.
+/// `position Down output OVC sensor V1 within 2s else set Late "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The position's name.
@@ -128,8 +143,21 @@ pub struct Position {
     pub output: Option<Name>,
     /// What is TRUE when it is reached.
     pub sensor: Option<Guard>,
+    /// `within … else …`.
+    pub limit: Option<Limit>,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// `within 2s else set Late`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// How long a movement may take.
+    pub time: Duration,
+    /// What happens if it takes longer.
+    pub effects: Vec<Effect>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// An expression with its place.
@@ -227,6 +255,8 @@ pub struct Body {
     pub states: Vec<State>,
     /// `region …`, only in parallel states and charts.
     pub regions: Vec<Region>,
+    /// `choice …`.
+    pub choices: Vec<Choice>,
     /// `from … to …` and `move from … to …`.
     pub transitions: Vec<Transition>,
     /// `drives …`.
@@ -246,7 +276,18 @@ pub struct Body {
 impl Body {
     /// Whether it says what a state does, apart from what the state holds.
     pub fn does_something(&self) -> bool {
-        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        let Body {
+            drives,
+            actions,
+            entry,
+            exit,
+            internals,
+            states: _,
+            regions: _,
+            choices: _,
+            transitions: _,
+            span: _,
+        } = self;
         !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
     }
 }
@@ -290,8 +331,8 @@ pub struct Region {
 pub struct Transition {
     /// Where it starts.
     pub source: Source,
-    /// Where it leads.
-    pub target: Path,
+    /// Where it leads; one state for a movement.
+    pub target: Target,
     /// Present for a movement.
     pub movement: Option<Movement>,
     /// `priority N`.
@@ -304,15 +345,6 @@ pub struct Transition {
     pub description: Option<Text>,
     /// All of it.
     pub span: Span,
-}
-
-/// Where a transition starts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// One state.
-    State(Path),
-    /// `any`: each state of the region in which it is written.
-    Any(Span),
 }
 
 /// What makes a transition a movement.
@@ -339,13 +371,22 @@ pub struct Internal {
     pub span: Span,
 }
 
-/// `set V` or `reset V`.
+/// `set V`, `reset V` or `raise E`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
-    /// The variable.
+    /// The variable or event.
     pub variable: Name,
     /// What it becomes.
-    pub value: bool,
+    pub value: EffectValue,
+}
+
+/// What a variable or event becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectValue {
+    /// TRUE or FALSE.
+    Bool(bool),
+    /// Raised.
+    Raised,
 }
 
 /// `drives OUTPUT when …`.
@@ -394,44 +435,6 @@ pub struct Constraint {
     pub yields: Vec<Name>,
     /// Why, in words for the operator.
     pub text: Option<Text>,
-}
-
-/// `P1: always possible E "…"`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Property {
-    /// Its name.
-    pub name: Name,
-    /// In which runs and how often.
-    pub kind: PropertyKind,
-    /// What, at the end of a scan.
-    pub condition: Guard,
-    /// Why, in words.
-    pub text: Option<Text>,
-}
-
-/// In which runs, and how often, a property's condition holds at the end of a scan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PropertyKind {
-    /// In no scan of any run.
-    Never,
-    /// In all scans of all runs.
-    Always,
-    /// In a scan of a run.
-    Reachable,
-    /// Every run can go on to a scan in which it does.
-    AlwaysPossible,
-}
-
-impl PropertyKind {
-    /// The words of the language.
-    pub fn words(self) -> &'static str {
-        match self {
-            PropertyKind::Never => "never",
-            PropertyKind::Always => "always",
-            PropertyKind::Reachable => "reachable",
-            PropertyKind::AlwaysPossible => "always possible",
-        }
-    }
 }
 
 /// A time: `100ms`, `2s`, `3 scans`.

@@ -19,6 +19,7 @@ pub mod iec;
 pub mod ladder;
 pub mod outline;
 pub mod plc;
+pub mod property;
 pub mod relief;
 pub mod scenario;
 pub mod sfc;

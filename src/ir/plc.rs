@@ -57,8 +57,12 @@ pub enum Role {
     Output,
     /// A variable of the model.
     Variable,
+    /// An event of the model, as it is in this scan.
+    Event,
     /// TRUE while a step is active; written by its N action only.
     StepFlag,
+    /// Whether a state was the last one of its region; written when the chart has taken its step.
+    History,
     /// A value latched at the start of the scan, or computed from such values.
     Condition,
     /// What the chart wants of an output.

@@ -59,6 +59,11 @@ impl Writer {
                 })
             })?;
         }
+        if !m.events.is_empty() {
+            self.block(format_args!("events"), |w| {
+                m.events.iter().try_for_each(|e| w.line(format_args!("{}{}", e.name.text, text(&e.description))))
+            })?;
+        }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
         for observer in &m.observers {
             let head = format!("observer {}{}", observer.name.text, text(&observer.description));
@@ -159,7 +164,8 @@ impl Writer {
             a.positions.iter().try_for_each(|p| {
                 let sensor = p.sensor.as_ref().map(|g| format!(" sensor {}", condition(g))).unwrap_or_default();
                 let output = clause("output", p.output.as_ref());
-                w.line(format_args!("position {}{output}{sensor}{}", p.name.text, text(&p.description)))
+                let limit = p.limit.as_ref().map(limit).unwrap_or_default();
+                w.line(format_args!("position {}{output}{sensor}{limit}{}", p.name.text, text(&p.description)))
             })
         })
     }
@@ -191,6 +197,7 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&region.body))?;
         }
         body.states.iter().try_for_each(|s| self.state(s))?;
+        body.choices.iter().try_for_each(|c| self.choice(c))?;
         body.transitions.iter().try_for_each(|t| self.transition(t))
     }
 
@@ -216,6 +223,7 @@ impl Writer {
         let source = match &t.source {
             Source::State(path) => words(path),
             Source::Any(_) => "any".to_owned(),
+            Source::Join(paths) => several(paths),
         };
         let (verb, name) = match &t.movement {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
@@ -223,12 +231,22 @@ impl Writer {
         };
         self.line(format_args!(
             "{verb} {source} to {}{name}{}{}{}{}",
-            words(&t.target),
+            target(&t.target),
             priority(t.priority),
             when(&t.guard),
             then(&t.effects),
             text(&t.description)
         ))
+    }
+
+    fn choice(&mut self, c: &Choice) -> fmt::Result {
+        let initial = if c.initial.is_some() { "initial " } else { "" };
+        self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
+            c.branches.iter().try_for_each(|b| {
+                let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
+                w.line(format_args!("{head} to {}{}{}", target(&b.target), then(&b.effects), text(&b.description)))
+            })
+        })
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
@@ -251,8 +269,16 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 }
 
 fn effects(effects: &[Effect]) -> String {
-    let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text);
-    effects.iter().map(one).collect::<Vec<_>>().join(", ")
+    let verb = |e: &Effect| match e.value {
+        EffectValue::Bool(true) => "set",
+        EffectValue::Bool(false) => "reset",
+        EffectValue::Raised => "raise",
+    };
+    effects.iter().map(|e| format!("{} {}", verb(e), e.variable.text)).collect::<Vec<_>>().join(", ")
+}
+
+fn limit(limit: &Limit) -> String {
+    format!(" within {}ms else {}", limit.time.milliseconds.unwrap_or(0), effects(&limit.effects))
 }
 
 fn then(list: &[Effect]) -> String {
@@ -286,6 +312,18 @@ fn list(names: &[Name]) -> String {
 
 fn when(guard: &Option<Guard>) -> String {
     guard.as_ref().map(|g| format!(" when {}", condition(g))).unwrap_or_default()
+}
+
+fn target(target: &Target) -> String {
+    match target {
+        Target::State(path) => words(path),
+        Target::History { of, deep } => format!("{}history of {}", if *deep { "deep " } else { "" }, words(of)),
+        Target::Fork(paths) => several(paths),
+    }
+}
+
+fn several(paths: &[Path]) -> String {
+    format!("({})", paths.iter().map(words).collect::<Vec<_>>().join(", "))
 }
 
 fn words(path: &Path) -> String {

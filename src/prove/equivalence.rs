@@ -14,6 +14,7 @@
 //!
 //! - in each region exactly one state is active, or none if its parent is not;
 //! - the idle step of each SFC is active exactly while the region's parent is not;
+//! - what a region with a history remembers is its active state, or one or no state while it has none;
 //! - a timer starts in exactly those scans that are the first to begin in its state, and while that state
 //!   is active it remembers since when, and whether its time has passed, as the chart does;
 //! - what else the program remembers and reads again holds what [`induction::guess`] has found for it:
@@ -217,6 +218,9 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
         Claim::Configuration(region) => {
             format!("that region {} has one active state", machine.region_path(region))
         }
+        Claim::History(region) => {
+            format!("that region {} remembers one state", machine.region_path(region))
+        }
         Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
         Claim::Part(part, latch) => {
             format!("that {} is {}", program.name(program.latches()[latch]), part.describe(machine))
@@ -242,7 +246,9 @@ fn describe(machine: &Machine, s: &Situation) -> String {
     let variables = machine.variables.values().map(|v| v.name.clone());
     let inputs = machine.inputs.values().map(|i| format!("prev({})", i.name));
     let outputs = machine.outputs.values().map(|o| format!("prev({})", o.name));
-    let remembered = s.memory.iter().skip(machine.states.len()).zip(variables.chain(inputs).chain(outputs));
+    let events = machine.events.values().map(|e| format!("raised({})", e.name));
+    let names = variables.chain(inputs).chain(outputs).chain(events);
+    let remembered = s.memory.iter().skip(machine.states.len()).zip(names);
     parts.extend(remembered.filter(|(v, _)| **v).map(|(_, name)| name));
     let now = s.inputs.iter().zip(machine.inputs.values());
     parts.extend(now.filter(|(v, _)| **v).map(|(_, input)| input.name.clone()));

@@ -83,12 +83,12 @@ pub struct View {
 }
 
 impl View {
-    /// What can be seen, in this order: inputs, hidden bits, outputs, variables, states, alarms of constraints,
-    /// alarms of assumptions, what the filter remembers.
+    /// What can be seen, in this order: inputs, hidden bits, outputs, variables, events, states, alarms of
+    /// constraints, alarms of assumptions, what the filter remembers.
     pub fn frame(&self) -> Vec<Lit> {
-        let ChartScan { after, acted, broken, .. } = &self.scan;
+        let ChartScan { after, events, acted, broken, .. } = &self.scan;
         let ChartState { outputs, variables, active, marks, .. } = after;
-        let lists = [&self.inputs, &self.bits, outputs, variables, active, acted, broken, marks];
+        let lists = [&self.inputs, &self.bits, outputs, variables, events, active, acted, broken, marks];
         lists.into_iter().flatten().copied().collect()
     }
 }
@@ -160,7 +160,7 @@ fn filter(
         Atom::PrevInput(i) => past_inputs[i.index()],
         Atom::PrevOutput(o) => before.outputs[o.index()],
         Atom::Variable(v) => variables[v.index()],
-        Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+        Atom::Output(_) | Atom::Event(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
             unreachable!("a filter reads signals and their past")
         }
     };
@@ -176,10 +176,13 @@ fn filter(
         fresh: no(&before.fresh),
         past: no(&before.past),
         marks: filtered.marks,
+        raised: no(&before.raised),
+        last: before.last.iter().map(|l| l.map(|_| Lit::FALSE)).collect(),
     };
     let fires = vec![Lit::FALSE; machine.transitions.len()];
     let enabled = fires.clone();
-    ChartScan { after, fires, enabled, commands, acted: filtered.acted, broken, begins: Vec::new() }
+    let events = no(&before.raised);
+    ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins: Vec::new() }
 }
 
 /// Latches for what the chart remembers. All is FALSE before the first scan, which does not look at it.
@@ -193,6 +196,7 @@ fn remembered(system: &mut System, machine: &Machine, step: &ChartStep<'_>) -> C
     name(&shape.active, machine.states.ids().map(|s| format!("in({})", machine.state_path(s))).collect());
     name(&shape.variables, machine.variables.values().map(|v| v.name.clone()).collect());
     name(&shape.inputs, machine.inputs.values().map(|i| format!("prev({})", i.name)).collect());
+    name(&shape.raised, machine.events.values().map(|e| e.name.clone()).collect());
     name(&shape.outputs, machine.outputs.values().map(|o| format!("prev({})", o.name)).collect());
     let mut number = 0;
     shape.map(&mut |l| {
@@ -225,6 +229,7 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
     let bits = pick(&then.after.bits(), &otherwise.after.bits());
     let mut bits = bits.into_iter();
     ChartScan {
+        events: pick(&then.events, &otherwise.events),
         fires: pick(&then.fires, &otherwise.fires),
         enabled: pick(&then.enabled, &otherwise.enabled),
         commands: pick(&then.commands, &otherwise.commands),

@@ -114,7 +114,7 @@ impl Subject<'_> {
 fn reads_states(condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_)));
+        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_)));
     });
     reads
 }
@@ -173,6 +173,7 @@ impl View {
             Atom::Output(o) => Some(self.scan.after.outputs[o.index()]),
             Atom::PrevOutput(o) => Some(self.past_outputs[o.index()]),
             Atom::Variable(v) => Some(self.scan.after.variables[v.index()]),
+            Atom::Event(e) => Some(self.scan.events[e.index()]),
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => None,
         }
     }

@@ -55,6 +55,10 @@ pub struct Machine {
     pub variables: Vec<Variable>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
+    /// All `function …` in order.
+    pub functions: Vec<Function>,
+    /// All `sequence …` in order.
+    pub sequences: Vec<Sequence>,
     /// All `chart …` in order.
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
@@ -314,6 +318,73 @@ pub struct Action {
     pub value: bool,
     /// Its condition.
     pub condition: Option<Guard>,
+}
+
+/// `function F23 automatic "go up" { activate when … deactivate when … abort when … drives … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Function {
+    /// Its name.
+    pub name: Name,
+    /// `automatic`, where it stands.
+    pub automatic: Option<Span>,
+    /// What it does.
+    pub description: Option<Text>,
+    /// `activate when …`, every one that was written.
+    pub activate: Vec<Guard>,
+    /// `deactivate when …`, likewise.
+    pub deactivate: Vec<Guard>,
+    /// `abort when …`, likewise.
+    pub abort: Vec<Guard>,
+    /// What it drives while it runs.
+    pub drives: Vec<Drive>,
+}
+
+/// `sequence Bottling "…" { abort when … do F23 … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sequence {
+    /// Its name.
+    pub name: Name,
+    /// What it is for.
+    pub description: Option<Text>,
+    /// `abort when …`, every one that was written.
+    pub abort: Vec<Guard>,
+    /// What is done, in order.
+    pub steps: Vec<SequenceStep>,
+}
+
+/// One line of a sequence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SequenceStep {
+    /// What is done.
+    pub doing: SequenceDoing,
+    /// All of it.
+    pub span: Span,
+    /// Why.
+    pub description: Option<Text>,
+}
+
+/// What a line of a sequence does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SequenceDoing {
+    /// `do F23, F11`: runs functions side by side until all have ended.
+    Do(Vec<Job>),
+    /// `activate F251`.
+    Activate(Vec<Name>),
+    /// `deactivate F251`.
+    Deactivate(Vec<Name>),
+    /// `wait until …`.
+    Until(Guard),
+    /// `wait 500ms`.
+    Wait(Duration),
+}
+
+/// `F21 until Out2`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// The function.
+    pub function: Name,
+    /// When it is to be deactivated.
+    pub until: Option<Guard>,
 }
 
 /// `safety supervisor { … }`.

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios};
+use super::{Rule, functions, scenarios};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -23,6 +23,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         outputs: Vec::new(),
         variables: Vec::new(),
         actuators: Vec::new(),
+        functions: Vec::new(),
+        sequences: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
         plants: Vec::new(),
@@ -37,6 +39,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
+            Rule::function => tree.functions.push(functions::function(p, bad)),
+            Rule::sequence => tree.sequences.push(functions::sequence(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
@@ -79,7 +83,7 @@ fn entries<'i, T>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<T>, build
 }
 
 /// The duration that stands in `p`.
-fn duration(p: Pair<'_, Rule>) -> Duration {
+pub fn duration(p: Pair<'_, Rule>) -> Duration {
     let duration = p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here");
     let span = span(&duration);
     let mut parts = duration.into_inner();
@@ -272,7 +276,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
     body
 }
 
-fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
+pub fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
     let mut named = Name { text: String::new(), span: span(&p) };
     let mut condition = None;
     for p in p.into_inner() {

@@ -9,14 +9,14 @@ use crate::ir::chart::{Machine, RegionId, StateId};
 enum Writer {
     /// A transition of that scope.
     Step(RegionId, Span),
-    /// An action of that state.
-    Action(StateId, Span),
+    /// That state, while it is active or when it is entered or left.
+    State(StateId, Span),
 }
 
 impl Writer {
     fn span(self) -> Span {
         match self {
-            Writer::Step(_, span) | Writer::Action(_, span) => span,
+            Writer::Step(_, span) | Writer::State(_, span) => span,
         }
     }
 }
@@ -24,13 +24,16 @@ impl Writer {
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut writers = vec![Vec::new(); machine.variables.len()];
     for t in machine.transitions.values() {
-        for effect in &t.effects {
+        for effect in &t.deeds.effects {
             writers[effect.variable.index()].push(Writer::Step(t.scope, t.span));
         }
     }
     for (id, state) in machine.states.iter() {
         for a in &state.actions {
-            writers[a.variable.index()].push(Writer::Action(id, a.span));
+            writers[a.variable.index()].push(Writer::State(id, a.span));
+        }
+        for effect in state.entry.effects.iter().chain(&state.exit.effects) {
+            writers[effect.variable.index()].push(Writer::State(id, effect.span));
         }
     }
     for (variable, writers) in machine.variables.iter().map(|(id, v)| (v, &writers[id.index()])) {
@@ -56,8 +59,8 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
 fn together(machine: &Machine, a: Writer, b: Writer) -> bool {
     match (a, b) {
         (Writer::Step(a, _), Writer::Step(b, _)) => run_together(machine, a, b),
-        (Writer::Action(a, _), Writer::Action(b, _)) => relation(machine, a, b) == Relation::Parallel,
-        (Writer::Step(region, _), Writer::Action(state, _)) | (Writer::Action(state, _), Writer::Step(region, _)) => {
+        (Writer::State(a, _), Writer::State(b, _)) => relation(machine, a, b) == Relation::Parallel,
+        (Writer::Step(region, _), Writer::State(state, _)) | (Writer::State(state, _), Writer::Step(region, _)) => {
             machine.child_in(region, state).is_none()
                 && relation(machine, machine.regions[region].initial, state) == Relation::Parallel
         }

@@ -269,11 +269,40 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                 let (variable, condition) = named_condition(p);
                 body.actions.push(Action { variable, value, condition });
             }
+            Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
+            Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
+            Rule::internal => body.internals.push(internal(p)),
             Rule::bad_item | Rule::bad_outer_item => bad.push(p),
             _ => {}
         }
     }
     body
+}
+
+/// The effect that the pair is, if it is one.
+fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+    if p.as_rule() != Rule::effect {
+        return None;
+    }
+    let value = p.as_str().starts_with("set");
+    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
+    Some(Effect { variable, value })
+}
+
+fn internal(p: Pair<'_, Rule>) -> Internal {
+    let whole = span(&p);
+    let (mut priority, mut condition, mut effects, mut description) = (None, None, Vec::new(), None);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
+            Rule::expression => condition = Some(guard(p)),
+            Rule::effect => effects.extend(effect(p)),
+            Rule::text => description = Some(text(p)),
+            _ => {}
+        }
+    }
+    let guard = condition.expect("an internal transition has a condition");
+    Internal { priority, guard, effects, description, span: whole }
 }
 
 pub fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
@@ -317,12 +346,7 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             }
             Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
             Rule::expression => guard_ = Some(guard(p)),
-            Rule::effect => {
-                let value = p.as_str().starts_with("set");
-                let variable =
-                    p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
-                effects.push(Effect { variable, value });
-            }
+            Rule::effect => effects.extend(effect(p)),
             Rule::text => description = Some(text(p)),
             _ => {}
         }

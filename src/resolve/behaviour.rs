@@ -1,7 +1,9 @@
-//! Written drives and actions to those of states, after the drives that technology demands.
+//! Written drives and actions to those of states, after the drives that technology demands; what happens
+//! when something is entered, left or fires.
 
 use super::expressions::Context;
 use super::{ResolvedBody, Resolver};
+use crate::base::{Code, Diagnostic};
 use crate::ir::chart::{self, StateKind, Technology};
 use crate::ir::{ast, expr::Expr};
 
@@ -24,6 +26,29 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
                 r.machine.states[state].actions.push(action);
             }
         }
+        let (entry, exit) = (r.deeds(&body.body.entry, "this entry"), r.deeds(&body.body.exit, "this exit"));
+        r.machine.states[state].entry = entry;
+        r.machine.states[state].exit = exit;
+    }
+}
+
+impl Resolver {
+    /// What happens once; `what` says in a message what it belongs to.
+    pub fn deeds(&mut self, written: &[ast::Effect], what: &str) -> chart::Deeds {
+        let mut effects: Vec<chart::Effect> = Vec::new();
+        for effect in written {
+            let Some(variable) = self.variable(&effect.variable) else { continue };
+            match effects.iter().find(|e| e.variable == variable) {
+                None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
+                Some(first) if first.value == effect.value => {}
+                Some(first) => self.diagnostics.push(
+                    Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", effect.variable.text))
+                        .label(effect.variable.span, "and here the other")
+                        .label(first.span, "here the one"),
+                ),
+            }
+        }
+        chart::Deeds { effects }
     }
 }
 

@@ -349,7 +349,7 @@ pub struct Action {
     pub condition: Option<Guard>,
 }
 
-/// `function F23 automatic "go up" { activate when … deactivate when … abort when … drives … }`.
+/// `function F23 automatic "go up" { activate when … deactivate when … drives … }`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Function {
     /// Its name.
@@ -364,8 +364,12 @@ pub struct Function {
     pub deactivate: Vec<Guard>,
     /// `abort when …`, likewise.
     pub abort: Vec<Guard>,
-    /// What it drives while it runs.
-    pub drives: Vec<Drive>,
+    /// `request when …`, likewise.
+    pub request: Vec<Guard>,
+    /// `release when …`, likewise.
+    pub release: Vec<Guard>,
+    /// What else stands between its braces: what happens while it runs.
+    pub body: Body,
 }
 
 /// `sequence Bottling "…" { abort when … do F23 … }`.

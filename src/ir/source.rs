@@ -82,10 +82,16 @@ impl Writer {
     fn function(&mut self, f: &Function) -> fmt::Result {
         let automatic = if f.automatic.is_some() { " automatic" } else { "" };
         self.block(format_args!("function {}{automatic}{}", f.name.text, text(&f.description)), |w| {
-            for (word, guards) in [("activate", &f.activate), ("deactivate", &f.deactivate), ("abort", &f.abort)] {
+            for (word, guards) in [
+                ("request", &f.request),
+                ("release", &f.release),
+                ("activate", &f.activate),
+                ("deactivate", &f.deactivate),
+                ("abort", &f.abort),
+            ] {
                 guards.iter().try_for_each(|g| w.line(format_args!("{word} when {}", condition(g))))?;
             }
-            f.drives.iter().try_for_each(|d| w.line(format_args!("drives {}{}", d.output.text, when(&d.condition))))
+            w.body(&f.body)
         })
     }
 

@@ -235,48 +235,51 @@ impl Head {
 
 fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
     let mut body = Body { span: span(&p), ..Body::default() };
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::state => {
-                let head = Head::read(p, bad);
-                body.states.push(State {
-                    initial: head.modifier("initial"),
-                    is_final: head.modifier("final"),
-                    parallel: head.modifier("parallel"),
-                    name: head.name,
-                    position: head.position,
-                    controls: head.controls,
-                    description: head.description,
-                    body: head.body,
-                });
-            }
-            Rule::region => {
-                let head = Head::read(p, bad);
-                body.regions.push(Region {
-                    name: head.name,
-                    controls: head.controls,
-                    description: head.description,
-                    body: head.body.expect("a region has a body"),
-                });
-            }
-            Rule::transition => body.transitions.push(transition(p)),
-            Rule::drive => {
-                let (output, condition) = named_condition(p);
-                body.drives.push(Drive { output, condition });
-            }
-            Rule::action => {
-                let value = p.as_str().starts_with("sets");
-                let (variable, condition) = named_condition(p);
-                body.actions.push(Action { variable, value, condition });
-            }
-            Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
-            Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
-            Rule::internal => body.internals.push(internal(p)),
-            Rule::bad_item | Rule::bad_outer_item => bad.push(p),
-            _ => {}
-        }
-    }
+    p.into_inner().for_each(|p| item(p, bad, &mut body));
     body
+}
+
+/// Puts one item to the others between its braces.
+pub fn item<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, body: &mut Body) {
+    match p.as_rule() {
+        Rule::state => {
+            let head = Head::read(p, bad);
+            body.states.push(State {
+                initial: head.modifier("initial"),
+                is_final: head.modifier("final"),
+                parallel: head.modifier("parallel"),
+                name: head.name,
+                position: head.position,
+                controls: head.controls,
+                description: head.description,
+                body: head.body,
+            });
+        }
+        Rule::region => {
+            let head = Head::read(p, bad);
+            body.regions.push(Region {
+                name: head.name,
+                controls: head.controls,
+                description: head.description,
+                body: head.body.expect("a region has a body"),
+            });
+        }
+        Rule::transition => body.transitions.push(transition(p)),
+        Rule::drive => {
+            let (output, condition) = named_condition(p);
+            body.drives.push(Drive { output, condition });
+        }
+        Rule::action => {
+            let value = p.as_str().starts_with("sets");
+            let (variable, condition) = named_condition(p);
+            body.actions.push(Action { variable, value, condition });
+        }
+        Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
+        Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
+        Rule::internal => body.internals.push(internal(p)),
+        Rule::bad_item | Rule::bad_outer_item => bad.push(p),
+        _ => {}
+    }
 }
 
 /// The effect that the pair is, if it is one.

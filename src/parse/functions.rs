@@ -1,7 +1,7 @@
 //! Functions and sequences: the parser's pairs to the syntax tree.
 
 use super::Rule;
-use super::build::{Bad, duration, guard, name, named_condition, span, text};
+use super::build::{Bad, duration, guard, item, name, span, text};
 use crate::ir::ast::*;
 use pest::iterators::Pair;
 
@@ -13,7 +13,9 @@ pub fn function<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Function {
         activate: Vec::new(),
         deactivate: Vec::new(),
         abort: Vec::new(),
-        drives: Vec::new(),
+        request: Vec::new(),
+        release: Vec::new(),
+        body: Body { span: span(&p), ..Body::default() },
     };
     for p in p.into_inner() {
         match p.as_rule() {
@@ -21,24 +23,23 @@ pub fn function<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Function {
             Rule::kw_automatic => function.automatic = Some(span(&p)),
             Rule::text => function.description = Some(text(p)),
             Rule::clause => clause(p, &mut function),
-            Rule::drive => {
-                let (output, condition) = named_condition(p);
-                function.drives.push(Drive { output, condition });
-            }
             Rule::bad_function_item => bad.push(p),
-            _ => {}
+            _ => item(p, bad, &mut function.body),
         }
     }
     function
 }
 
 fn clause(p: Pair<'_, Rule>, function: &mut Function) {
-    let into = match p.as_str() {
-        word if word.starts_with("activate") => &mut function.activate,
-        word if word.starts_with("deactivate") => &mut function.deactivate,
-        _ => &mut function.abort,
+    let mut parts = p.into_inner();
+    let into = match parts.next().map(|p| p.as_rule()) {
+        Some(Rule::kw_activate) => &mut function.activate,
+        Some(Rule::kw_deactivate) => &mut function.deactivate,
+        Some(Rule::kw_abort) => &mut function.abort,
+        Some(Rule::kw_request) => &mut function.request,
+        _ => &mut function.release,
     };
-    into.extend(p.into_inner().filter(|p| p.as_rule() == Rule::expression).map(guard));
+    into.extend(parts.filter(|p| p.as_rule() == Rule::expression).map(guard));
 }
 
 pub fn sequence<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Sequence {

@@ -112,7 +112,7 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::never => "`never`".into(),
         Rule::function => "`function`".into(),
         Rule::sequence => "`sequence`".into(),
-        Rule::clause => "`activate`, `deactivate` or `abort`".into(),
+        Rule::clause => "`activate`, `deactivate`, `abort`, `request` or `release`".into(),
         Rule::aborted => "`abort`".into(),
         Rule::run => "`do`".into(),
         Rule::job => "a function".into(),

@@ -13,7 +13,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("ir", &["base"]),
     ("parse", &["base", "ir"]),
     ("resolve", &["base", "ir"]),
-    ("check", &["base", "bits", "ir"]),
+    ("constraints", &["base", "bits", "ir"]),
+    ("check", &["base", "bits", "constraints", "ir"]),
     ("lower", &["base", "ir"]),
     ("layout", &["base", "ir"]),
     ("emit", &["base", "ir", "layout"]),
@@ -21,6 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
+    ("verify", &["base", "bits", "ir"]),
     ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
     ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];

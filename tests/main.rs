@@ -1,6 +1,7 @@
 //! The tests that use only the public interface, in one binary.
 
 mod cli;
+mod constraints;
 mod docs;
 mod emit;
 mod explain;
@@ -23,3 +24,5 @@ mod snapshots;
 mod stability;
 mod support;
 mod text;
+mod verify_engines;
+mod verify_export;

@@ -33,13 +33,15 @@ pub struct ChartState {
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
+    /// What the filter remembers, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
+    pub marks: Vec<Lit>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers.
+    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
-        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, fresh, past, marks } = self;
+        [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten().copied().collect()
     }
 }
 
@@ -101,6 +103,7 @@ impl<'m> ChartStep<'m> {
             outputs: vec![Lit::FALSE; m.outputs.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
+            marks: vec![Lit::FALSE; m.safety.marks().count()],
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let fires = vec![Lit::FALSE; m.transitions.len()];
@@ -269,7 +272,7 @@ impl<'m> ChartStep<'m> {
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
-        let filtered = chart_filter::filter(aig, m, &commands, &mut read, self.rounds);
+        let filtered = chart_filter::filter(aig, m, &commands, &before.marks, &mut read, self.rounds);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -277,7 +280,15 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        let after = ChartState {
+            active,
+            variables,
+            inputs: inputs.to_vec(),
+            outputs: filtered.outputs,
+            fresh,
+            past,
+            marks: filtered.marks,
+        };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }

@@ -224,6 +224,7 @@ impl<'a> Both<'a> {
             outputs: none(pair.machine.outputs.len()),
             fresh: none(timers),
             past: none(timers),
+            marks: none(pair.machine.safety.marks().count()),
         };
         let program = pair.program.power_up();
         Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }

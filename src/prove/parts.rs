@@ -3,7 +3,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, InputId, Machine, Mark, OutputId, StateId, VariableId};
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub enum Part {
     Acted(ConstraintId),
     /// Whether the plant breaks the assumption of that index.
     Broken(usize),
+    /// What the filter remembers, and its place among the marks.
+    Mark(Mark, usize),
     /// What was sampled of the input.
     Input(InputId),
     /// Whether this is the scan from which the timer counts.
@@ -49,6 +51,7 @@ impl Part {
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
+            Part::Mark(_, i) => scan.after.marks[i],
             Part::Input(i) => scan.after.inputs[i.index()],
             Part::Begins(t) => scan.begins[t.index],
         }
@@ -63,6 +66,7 @@ impl Part {
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
+            Part::Mark(mark, _) => machine.mark(mark),
             Part::Input(i) => format!("input {}", machine.inputs[i].name),
             Part::Begins(t) => format!("start of the time in {}", machine.state_path(t.state)),
         }
@@ -75,6 +79,7 @@ impl Part {
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
+            Part::Mark(mark, i) => Some(Meaning::Mark(mark, i, true)),
             Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
     }
@@ -94,6 +99,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// What the filter remembers, and its place among the marks.
+    Mark(Mark, usize, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -109,6 +116,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -122,7 +130,8 @@ impl Meaning {
             | Meaning::Active(..)
             | Meaning::Input(..)
             | Meaning::Output(..)
-            | Meaning::Variable(..) => Lit::TRUE,
+            | Meaning::Variable(..)
+            | Meaning::Mark(..) => Lit::TRUE,
         }
     }
 
@@ -135,6 +144,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -146,7 +156,8 @@ impl Meaning {
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
         let variables = machine.variables.ids().map(|v| Meaning::Variable(v, true));
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
-        inputs.chain(outputs).chain(variables).chain(states).collect()
+        let marks = machine.safety.marks().enumerate().map(|(i, mark)| Meaning::Mark(mark, i, true));
+        inputs.chain(outputs).chain(variables).chain(states).chain(marks).collect()
     }
 
     /// What it is, in the model's names.
@@ -157,6 +168,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

@@ -30,7 +30,7 @@ mod code;
 mod filter;
 mod steps;
 
-use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, TransitionId, VariableId};
+use crate::ir::chart::{ConstraintId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
 use std::ops::Range;
@@ -296,6 +296,11 @@ impl Chart {
         self.filter.acted(constraint)
     }
 
+    /// What the filter remembers after the last scan.
+    pub fn mark(&self, mark: Mark) -> bool {
+        self.filter.mark(mark)
+    }
+
     /// Whether the assumption of that index was broken in the last scan.
     pub fn broken(&self, assumption: usize) -> bool {
         self.broken[assumption]
@@ -303,7 +308,7 @@ impl Chart {
 
     /// In how many rounds the filter decided in the last scan; 1 when no combined constraint acted.
     pub fn filter_rounds(&self) -> usize {
-        self.filter.rounds()
+        self.filter.count()
     }
 
     /// Whether the filter found no way to keep all constraints in the last scan. That takes a broken

@@ -1,6 +1,6 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, OutputId, StateId, StateKind, VariableId};
+use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, Mark, OutputId, StateId, StateKind, VariableId};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
 
@@ -13,11 +13,12 @@ pub struct Layout {
     states: usize,
     acted: usize,
     broken: usize,
+    marks: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
-/// alarms of constraints, alarms of assumptions.
+/// alarms of constraints, alarms of assumptions, what the filter remembers.
 pub type Frame = Vec<bool>;
 
 impl Layout {
@@ -29,8 +30,9 @@ impl Layout {
         let states = variables + machine.variables.len();
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
-        let len = broken + machine.safety.assumptions.len();
-        Layout { bits, outputs, variables, states, acted, broken, len }
+        let marks = broken + machine.safety.assumptions.len();
+        let len = marks + machine.safety.marks().count();
+        Layout { bits, outputs, variables, states, acted, broken, marks, len }
     }
 
     /// A frame with all values FALSE.
@@ -65,7 +67,12 @@ impl Layout {
 
     /// The places of alarms, of constraints and then of assumptions.
     pub fn alarms(&self) -> Range<usize> {
-        self.acted..self.len
+        self.acted..self.marks
+    }
+
+    /// The places of what the filter remembers.
+    pub fn marks(&self) -> Range<usize> {
+        self.marks..self.len
     }
 
     /// The place of an input.
@@ -111,6 +118,14 @@ impl Layout {
         self.broken + assumption
     }
 
+    /// The place of something that the filter remembers.
+    pub fn mark(&self, mark: Mark) -> usize {
+        match mark {
+            Mark::Noted => self.marks,
+            Mark::First(c) => self.marks + 1 + c.index(),
+        }
+    }
+
     /// What a condition reads, in a frame and the one before.
     pub fn value(&self, machine: &Machine, seen: Seen, now: &[bool], before: &[bool]) -> bool {
         match seen {
@@ -130,6 +145,7 @@ impl Layout {
             Seen::PrevBit(b) => before[self.bit(b)],
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],
+            Seen::Mark(mark) => now[self.mark(mark)],
         }
     }
 

@@ -3,6 +3,7 @@
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
 use crate::ir::chart::{Machine, StateId};
+use crate::ir::scenario::Seen;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
@@ -39,7 +40,7 @@ impl Recording {
     }
 
     /// The scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
-    /// became FALSE with `-`, elementary states that were entered and left, alarms with `!`.
+    /// became FALSE with `-`, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
     pub fn table(&self, machine: &Machine, most: usize) -> String {
         let names = Names::of(machine);
         let mut rows: Vec<[String; 5]> = Vec::new();
@@ -60,7 +61,7 @@ impl Recording {
     }
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
-    /// `in(…)` and alarm as `alarm(…)`.
+    /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, and what the filter remembers.
     pub fn csv(&self, machine: &Machine) -> String {
         let mut out = String::from("scan");
         for name in columns(machine) {
@@ -85,9 +86,15 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.outputs.values().map(|o| o.name.clone()));
     names.extend(machine.variables.values().map(|v| v.name.clone()));
     names.extend(paths(machine).into_iter().map(|path| format!("in({path})")));
-    names.extend(machine.safety.constraints.values().map(|c| format!("alarm({})", c.name)));
+    names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
+    names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
     names
+}
+
+/// What a column asks about: `S1` for `alarm(S1)`, the column itself if it is a name.
+pub fn bare(column: &str) -> &str {
+    column.split_once('(').map_or(column, |(_, inner)| inner.trim_end_matches(')'))
 }
 
 /// For each state its path, with the name of its chart before it where another chart has the same path.
@@ -149,9 +156,11 @@ impl Names {
             cells[cell].extend(changed.map(|i| sign(now[i], &self.columns[i])));
         }
         for i in self.layout.alarms().filter(|&i| now[i] && !was(i)) {
-            let name = self.columns[i].trim_start_matches("alarm(").trim_end_matches(')');
-            cells[1].push(format!("!{name}"));
+            let column = &self.columns[i];
+            cells[1].push(format!("{}{}", if column.starts_with("alarm(") { '!' } else { '~' }, bare(column)));
         }
+        let marks = self.layout.marks().filter(|&i| was(i) != now[i]);
+        cells[1].extend(marks.map(|i| sign(now[i], &self.columns[i])));
         for leaves in [true, false] {
             for &state in &self.elementary {
                 let i = self.layout.state(state);

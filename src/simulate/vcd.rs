@@ -1,11 +1,11 @@
 //! A recording to a value change dump, which GTKWave and Surfer show.
 //!
-//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `alarms`, then one for each chart that follows its
+//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `alarms`, `filter`, then one for each chart that follows its
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
 use super::frame::{Frame, Layout};
-use super::record::{Recording, columns};
+use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
 use crate::ir::chart::{Machine, RegionId};
 use std::ops::Range;
@@ -50,6 +50,7 @@ impl Dump<'_> {
         self.group("outputs", outputs.clone());
         self.group("variables", outputs.end..layout.written().end);
         self.group("alarms", alarms);
+        self.group("filter", layout.marks());
         for chart in &machine.charts {
             self.writer.add_module(&chart.name).expect(MEMORY);
             for &region in &chart.regions {
@@ -68,7 +69,7 @@ impl Dump<'_> {
         let columns = columns(self.machine);
         self.writer.add_module(name).expect(MEMORY);
         for place in places {
-            let name = columns[place].trim_start_matches("alarm(").trim_end_matches(')');
+            let name = bare(&columns[place]);
             let id = self.writer.add_wire(1, name).expect(MEMORY);
             self.bits.push((id, place));
         }

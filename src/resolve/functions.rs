@@ -68,8 +68,8 @@ impl Maker<'_, '_> {
             transitions.push(transition(from, to, Some(guard), effects, f.name.span));
         };
         let mut watch = Vec::new();
-        let requested = || effect(name("Requested"), Does::Reset);
-        let ended = || effect(name("Ended"), Does::Raise);
+        let requested = || reset(name("Requested"));
+        let ended = || raised(name("Ended"));
         if let Some(abort) = &abort {
             go(&running, &off, abort.clone(), Vec::new());
         }
@@ -84,15 +84,15 @@ impl Maker<'_, '_> {
         } else {
             self.variable(name("ds"), about(format!("{what}: asked for while it may not begin")));
             self.variable(name("fs"), about(format!("{what}: asked to end while it must go on")));
-            let alarms = vec![effect(name("ds"), Does::Reset), effect(name("fs"), Does::Reset)];
+            let alarms = vec![reset(name("ds")), reset(name("fs"))];
             // Of two requests in one scan the one to activate counts.
             let only_unasked = Expr::And(vec![unasked.clone(), negated(asked.clone())]);
             go(&off, &running, calm(Expr::And(vec![asked.clone(), may.clone()])), alarms);
             go(&running, &off, Expr::And(vec![only_unasked.clone(), must.clone()]), vec![ended()]);
             let wrong = calm(Expr::And(vec![asked.clone(), negated(may)]));
-            watch.push(internal(wrong, vec![effect(name("ds"), Does::Set)], f.name.span));
+            watch.push(internal(wrong, vec![set(name("ds"))], f.name.span));
             let wrong = Expr::And(vec![only_unasked, negated(must)]);
-            watch.push(internal(wrong, vec![effect(name("fs"), Does::Set)], f.name.span));
+            watch.push(internal(wrong, vec![set(name("fs"))], f.name.span));
         }
         let actions = || {
             let action = |value, condition: Expr<Term>| Action {
@@ -124,6 +124,14 @@ impl Maker<'_, '_> {
 }
 
 impl Maker<'_, '_> {
+    fn event(&mut self, name: Name, description: Option<Text>) {
+        self.plain.events.push(Event { name, description });
+    }
+
+    fn variable(&mut self, name: Name, description: Option<Text>) {
+        self.plain.variables.push(Variable { name, initial: false, description });
+    }
+
     /// The one clause of a kind; more are an error.
     fn only(&mut self, f: &Function, word: &str, clauses: &[Guard]) -> Option<Expr<Term>> {
         if let [first, again, ..] = clauses {
@@ -251,7 +259,7 @@ impl Steps<'_, '_> {
             _ => {}
         }
         match &job.until {
-            Some(until) => (Some(until.expr.clone()), vec![effect(part("Deactivate"), Does::Raise)]),
+            Some(until) => (Some(until.expr.clone()), vec![raised(part("Deactivate"))]),
             None => (Some(value(part("Ended"))), Vec::new()),
         }
     }
@@ -282,7 +290,7 @@ impl Steps<'_, '_> {
                 continue;
             }
             let name = Name { text: format!("{}_{part}", function.text), span: function.span };
-            inside.entry.push(effect(name, Does::Raise));
+            inside.entry.push(raised(name));
         }
     }
 }
@@ -314,5 +322,51 @@ fn any(parts: [Option<Expr<Term>>; 2]) -> Expr<Term> {
         [Some(a), Some(b)] => Expr::Or(vec![a, b]),
         [Some(e), None] | [None, Some(e)] => e,
         [None, None] => Expr::FALSE,
+    }
+}
+
+fn transition(from: &Name, to: &Name, guard: Option<Expr<Term>>, effects: Vec<Effect>, span: Span) -> Transition {
+    let path = |name: &Name| Path { parts: vec![name.clone()] };
+    Transition {
+        source: Source::State(path(from)),
+        target: path(to),
+        movement: None,
+        priority: None,
+        guard: guard.map(|expr| Guard { expr, span }),
+        effects,
+        description: None,
+        span,
+    }
+}
+
+fn internal(guard: Expr<Term>, effects: Vec<Effect>, span: Span) -> Internal {
+    Internal { priority: None, guard: Guard { expr: guard, span }, effects, description: None, span }
+}
+
+fn set(variable: Name) -> Effect {
+    Effect { variable, value: EffectValue::Bool(true) }
+}
+
+fn reset(variable: Name) -> Effect {
+    Effect { variable, value: EffectValue::Bool(false) }
+}
+
+fn raised(variable: Name) -> Effect {
+    Effect { variable, value: EffectValue::Raised }
+}
+
+fn place(term: &Term) -> Span {
+    match term {
+        Term::Done(span) | Term::Blocked(span) => *span,
+        Term::After(time) => time.span,
+        Term::Value(p)
+        | Term::Prev(p)
+        | Term::Rise(p)
+        | Term::Fall(p)
+        | Term::In(p)
+        | Term::DoneOf(p)
+        | Term::Acts(p)
+        | Term::First(p)
+        | Term::Alarm(p) => p.span(),
     }
 }

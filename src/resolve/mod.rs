@@ -6,6 +6,7 @@
 //!
 //! The steps run in this order, each in a file of its own:
 //!
+//! 0. [`functions`]: functions and sequences become charts
 //! 1. [`signals`]: inputs, outputs, variables
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: charts, regions and states, movements among them
@@ -18,6 +19,7 @@
 mod actuators;
 mod behaviour;
 mod expressions;
+mod functions;
 mod names;
 mod plant;
 mod safety;
@@ -44,6 +46,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     };
     resolver.legal(&tree.name);
     resolver.cycle(tree);
+    let tree = &functions::expand(&mut resolver, tree);
     signals::resolve(&mut resolver, tree);
     actuators::resolve(&mut resolver, tree);
     let bodies = states::resolve(&mut resolver, tree);

@@ -42,15 +42,24 @@ impl Correspondence {
     /// no name for an input, output, variable or state, their own names stand.
     pub fn of(machine: &Machine, project: &Project) -> Correspondence {
         let mut names: BTreeMap<(u8, Span), &str> = BTreeMap::new();
+        // One place of the text may declare several things, as a function does.
+        let mut by_name: BTreeMap<(u8, Span, &str), &str> = BTreeMap::new();
         for global in project.globals.values() {
             if let Some(span) = global.origin.span {
                 names.entry((rank(global.role), span)).or_insert(&global.name);
+                if let Some((_, own)) = global.origin.what.split_once(' ') {
+                    by_name.entry((rank(global.role), span, own)).or_insert(&global.name);
+                }
             }
         }
         let find = |role: Role, span: Span| names.get(&(rank(role), span)).map(|n| n.to_string());
-        let or_own = |role: Role, span: Span, own: &str| find(role, span).unwrap_or_else(|| own.to_owned());
+        let or_own = |role: Role, span: Span, own: &str| {
+            by_name.get(&(rank(role), span, own)).map_or(own, |name| name).to_owned()
+        };
 
-        let by_span: BTreeMap<Span, StateId> = machine.states.iter().map(|(id, s)| (s.span, id)).collect();
+        let waits = |id: StateId, ms: u32| format!("after({}, {ms}ms)", machine.state_path(id));
+        let mut by_span: BTreeMap<Span, Vec<StateId>> = BTreeMap::new();
+        machine.states.iter().for_each(|(id, s)| by_span.entry(s.span).or_default().push(id));
         let mut timers = BTreeMap::new();
         let mut step_of: BTreeMap<&str, (String, String)> = BTreeMap::new();
         for program in &project.programs {
@@ -65,10 +74,12 @@ impl Correspondence {
                 }
                 Body::Ladder(ladder) => {
                     for rung in &ladder.rungs {
-                        let state = rung.origin.span.and_then(|span| by_span.get(&span));
-                        if let (Some(timer), Some(&state)) = (&rung.timer, state) {
-                            let place = (program.name.clone(), timer.instance.clone());
-                            timers.insert((state, timer.preset), place);
+                        let (Some(timer), Some(span)) = (&rung.timer, rung.origin.span) else { continue };
+                        for &state in by_span.get(&span).into_iter().flatten() {
+                            if waits(state, timer.preset) == rung.origin.what {
+                                let place = (program.name.clone(), timer.instance.clone());
+                                timers.insert((state, timer.preset), place);
+                            }
                         }
                     }
                 }

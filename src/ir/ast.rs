@@ -53,12 +53,16 @@ pub struct Machine {
     pub outputs: Vec<Signal>,
     /// All `variables { … }` in order.
     pub variables: Vec<Variable>,
+    /// All `events { … }` in order.
+    pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
     /// All `function …` in order.
     pub functions: Vec<Function>,
     /// All `sequence …` in order.
     pub sequences: Vec<Sequence>,
+    /// All `observer …` in order.
+    pub observers: Vec<Observer>,
     /// All `chart …` in order.
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
@@ -91,6 +95,15 @@ pub struct Variable {
     pub description: Option<Text>,
 }
 
+/// `JarPlaced "…"` among events.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The event's name.
+    pub name: Name,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
 /// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actuator {
@@ -119,7 +132,7 @@ pub enum Technology {
     OnOff,
 }
 
-/// `position Down output OVC sensor V1 "…"`.
+/// `position Down output OVC sensor V1 within 2s else set Late "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The position's name.
@@ -128,8 +141,21 @@ pub struct Position {
     pub output: Option<Name>,
     /// What is TRUE when it is reached.
     pub sensor: Option<Guard>,
+    /// `within … else …`.
+    pub limit: Option<Limit>,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// `within 2s else set Late`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// How long a movement may take.
+    pub time: Duration,
+    /// What happens if it takes longer.
+    pub effects: Vec<Effect>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// An expression with its place.
@@ -204,6 +230,19 @@ pub struct Chart {
     pub description: Option<Text>,
     /// What stands between its braces.
     pub body: Body,
+}
+
+/// `observer NAME "…" { … after filter { … } }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Observer {
+    /// The observer's name.
+    pub name: Name,
+    /// What it is.
+    pub description: Option<Text>,
+    /// What stands between its braces.
+    pub body: Body,
+    /// What stands between the braces of each `after filter`: transitions.
+    pub after_filter: Vec<Body>,
 }
 
 /// What stands between the braces of a chart, state or region, sorted by kind. Order across kinds
@@ -326,13 +365,22 @@ pub struct Internal {
     pub span: Span,
 }
 
-/// `set V` or `reset V`.
+/// `set V`, `reset V` or `raise E`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
-    /// The variable.
+    /// The variable or event.
     pub variable: Name,
     /// What it becomes.
-    pub value: bool,
+    pub value: EffectValue,
+}
+
+/// What a variable or event becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectValue {
+    /// TRUE or FALSE.
+    Bool(bool),
+    /// Raised.
+    Raised,
 }
 
 /// `drives OUTPUT when …`.

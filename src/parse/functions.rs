@@ -1,7 +1,7 @@
 //! Functions and sequences: the parser's pairs to the syntax tree.
 
 use super::Rule;
-use super::build::{Bad, duration, guard, item, name, span, text};
+use super::build::{Bad, duration_in, guard, item, name, span, text};
 use crate::ir::ast::*;
 use pest::iterators::Pair;
 
@@ -75,7 +75,7 @@ fn step(p: Pair<'_, Rule>) -> SequenceStep {
             let names = p.into_inner().filter(|p| p.as_rule() == Rule::name).map(name).collect();
             if asks { SequenceDoing::Activate(names) } else { SequenceDoing::Deactivate(names) }
         }
-        _ if timed => SequenceDoing::Wait(duration(p)),
+        _ if timed => SequenceDoing::Wait(duration_in(p)),
         _ => {
             let until = p.into_inner().find(|p| p.as_rule() == Rule::expression).map(guard);
             SequenceDoing::Until(until.expect("a pause has a time or a condition"))

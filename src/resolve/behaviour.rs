@@ -12,6 +12,10 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     for body in bodies {
         let Some(state) = body.state else { continue };
         let context = Context::Active { region: body.region };
+        if r.machine.observes(state) && body.body.does_something() {
+            let span = r.machine.states[state].span;
+            r.observes_only(span, "this state does something");
+        }
         for written in &body.body.drives {
             let condition = condition(r, &written.condition, &context);
             if let Some(output) = r.output(&written.output) {
@@ -35,12 +39,20 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
 impl Resolver {
     /// What happens once; `what` says in a message what it belongs to.
     pub fn deeds(&mut self, written: &[ast::Effect], what: &str) -> chart::Deeds {
-        let mut effects: Vec<chart::Effect> = Vec::new();
+        let mut deeds = chart::Deeds::default();
         for effect in written {
+            let value = match effect.value {
+                ast::EffectValue::Bool(value) => value,
+                ast::EffectValue::Raised => {
+                    let event = self.event(&effect.variable).filter(|e| !deeds.raises.contains(e));
+                    deeds.raises.extend(event);
+                    continue;
+                }
+            };
             let Some(variable) = self.variable(&effect.variable) else { continue };
-            match effects.iter().find(|e| e.variable == variable) {
-                None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
-                Some(first) if first.value == effect.value => {}
+            match deeds.effects.iter().find(|e| e.variable == variable) {
+                None => deeds.effects.push(chart::Effect { variable, value, span: effect.variable.span }),
+                Some(first) if first.value == value => {}
                 Some(first) => self.diagnostics.push(
                     Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", effect.variable.text))
                         .label(effect.variable.span, "and here the other")
@@ -48,7 +60,7 @@ impl Resolver {
                 ),
             }
         }
-        chart::Deeds { effects }
+        deeds
     }
 }
 

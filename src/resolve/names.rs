@@ -13,6 +13,7 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Event(chart::EventId),
     Bit(BitId),
 }
 
@@ -63,7 +64,7 @@ impl Resolver {
         );
     }
 
-    /// Enters an input, output or variable; its name goes into the PLC as it is.
+    /// Enters an input, output, variable or event; its name goes into the PLC as it is.
     pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
         self.legal(name);
         if iec::is_keyword(&name.text) {
@@ -186,6 +187,17 @@ impl Resolver {
         }
     }
 
+    /// The event of that name, or an error.
+    pub fn event(&mut self, name: &ast::Name) -> Option<chart::EventId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Event(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an event");
+                None
+            }
+        }
+    }
+
     /// The actuator of that name, or an error.
     pub fn actuator(&mut self, name: &ast::Name) -> Option<chart::ActuatorId> {
         let found = self.names.actuators.get(&iec::fold(&name.text)).map(|(id, _)| *id);
@@ -197,6 +209,15 @@ impl Resolver {
             );
         }
         found
+    }
+
+    /// Reports an observer that does more than to observe.
+    pub fn observes_only(&mut self, span: Span, message: &str) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::ObserverActs, format!("an observer only observes, and {message}"))
+                .label(span, "not in an observer")
+                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, a transition of the observer sets or resets"),
+        );
     }
 
     pub fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
@@ -259,15 +280,8 @@ impl Resolver {
                 }
             };
         }
-        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
-        let found: Vec<Place> = starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect();
-        let states: Vec<chart::StateId> = found
-            .iter()
-            .filter_map(|p| match p {
-                Place::State(id) => Some(*id),
-                Place::Region(_) => None,
-            })
-            .collect();
+        let found = self.places(parts);
+        let states = states_of(&found);
         match states[..] {
             [one] => Some(one),
             [] if !found.is_empty() => {
@@ -295,6 +309,16 @@ impl Resolver {
                 None
             }
         }
+    }
+
+    /// All states that a path can mean, searched in the whole machine.
+    pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
+        states_of(&self.places(parts))
+    }
+
+    fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
+        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
+        starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect()
     }
 
     fn not_a_state(&mut self, text: &str, span: Span) {
@@ -347,12 +371,21 @@ impl Resolver {
     }
 }
 
+fn states_of(places: &[Place]) -> Vec<chart::StateId> {
+    let state = |p: &Place| match p {
+        Place::State(id) => Some(*id),
+        Place::Region(_) => None,
+    };
+    places.iter().filter_map(state).collect()
+}
+
 /// What a symbol is, in words.
 pub fn kind(symbol: Symbol) -> &'static str {
     match symbol {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Event(_) => "an event",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

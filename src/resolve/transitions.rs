@@ -29,6 +29,51 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     for t in found {
         r.machine.transitions.push(t);
     }
+    limits(r);
+}
+
+/// Time limits of positions to internal transitions of the movements there. They come after all others,
+/// so that they are tried last.
+fn limits(r: &mut Resolver) {
+    let mut found = Vec::new();
+    let mut used = std::collections::BTreeSet::new();
+    for (id, state) in r.machine.states.iter() {
+        let StateKind::Movement { to } = state.kind else { continue };
+        let Some(actuator) = r.machine.regions[state.region].actuator else { continue };
+        let Some(limit) = r.machine.actuators[actuator].positions.get(to).and_then(|p| p.limit.as_ref()) else {
+            continue;
+        };
+        used.insert((actuator, to));
+        found.push(chart::Transition {
+            source: id,
+            target: id,
+            internal: true,
+            scope: state.region,
+            phase: chart::Phase::Start,
+            guard: Expr::Atom(Atom::After(id, limit.time)),
+            deeds: limit.deeds.clone(),
+            priority: None,
+            description: String::new(),
+            span: limit.span,
+        });
+    }
+    for t in found {
+        r.machine.transitions.push(t);
+    }
+    for (id, actuator) in r.machine.actuators.iter() {
+        for (i, position) in actuator.positions.iter().enumerate() {
+            if let (Some(limit), false) = (&position.limit, used.contains(&(id, i))) {
+                r.diagnostics.push(
+                    Diagnostic::new(
+                        Code::LimitWithoutMovement,
+                        format!("no movement of `{}` leads to `{}`", actuator.name, position.name),
+                    )
+                    .label(limit.span, "a time limit of no movement")
+                    .help("write `move from … to …` where it moves, or leave the limit out"),
+                );
+            }
+        }
+    }
 }
 
 fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, into: &mut Vec<chart::Transition>) {
@@ -68,7 +113,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
             return;
         };
         jump(r, written.span, source, target);
-        into.push(transition(written, source, target, scope, guard, deeds));
+        into.push(transition(written, source, target, (scope, body.phase), guard, deeds));
     }
 }
 
@@ -101,11 +146,12 @@ fn movement(
         let (guard, deeds) = details(r, body, written, source);
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, body.region, guard, deeds));
+            into.push(transition(written, source, state, (body.region, body.phase), guard, deeds));
             into.push(chart::Transition {
                 source: state,
                 target,
                 scope: body.region,
+                phase: body.phase,
                 guard: sensor,
                 internal: false,
                 deeds: chart::Deeds::default(),
@@ -202,7 +248,7 @@ fn details(
     source: chart::StateId,
 ) -> (Guard, chart::Deeds) {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
+        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
@@ -216,7 +262,7 @@ fn internal(
     written: &ast::Internal,
     state: chart::StateId,
 ) -> chart::Transition {
-    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state });
+    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state, phase: body.phase });
     let deeds = r.deeds(&written.effects, "this transition");
     if written.effects.is_empty() {
         r.diagnostics.push(
@@ -228,6 +274,7 @@ fn internal(
     chart::Transition {
         source: state,
         target: state,
+        phase: body.phase,
         internal: true,
         scope: r.machine.states[state].region,
         guard,
@@ -242,7 +289,7 @@ fn transition(
     written: &ast::Transition,
     source: chart::StateId,
     target: chart::StateId,
-    scope: chart::RegionId,
+    (scope, phase): (chart::RegionId, chart::Phase),
     guard: Guard,
     deeds: chart::Deeds,
 ) -> chart::Transition {
@@ -251,6 +298,7 @@ fn transition(
         target,
         internal: false,
         scope,
+        phase,
         guard,
         deeds,
         priority: written.priority.map(|(n, _)| n),

@@ -2,7 +2,9 @@
 //! its meaning, and against the program that the model is compiled to.
 
 use super::rng::Rng;
-use chartwright::ir::chart::{Atom, ConstraintId, FilterMode, Machine, Mark, OutputId, StateId, VariableId};
+use chartwright::ir::chart::{
+    Atom, ConstraintId, EventId, FilterMode, Guard, Machine, Mark, OutputId, Phase, StateId, VariableId,
+};
 use chartwright::ir::iec::VarId;
 use chartwright::ir::plc::Role;
 use chartwright::pipeline::{self, Dialect, Options};
@@ -55,17 +57,34 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
                 return wrong(format!("{active} active states in `{}`, not {wanted}", machine.region_path(id)));
             }
         }
+        // Observers may have moved since the filter decided.
+        let moved = || chart.fired().iter().map(|&t| &machine.transitions[t]).filter(|t| t.phase == Phase::End);
+        let was = |s: StateId| match moved().find(|t| t.source == s || t.target == s) {
+            Some(t) => t.source == s,
+            None => chart.is_active(s),
+        };
+        let lost = |guard: &Guard| {
+            let mut lost = false;
+            guard.for_each_atom(&mut |a| {
+                let written = |v| moved().any(|t| t.deeds.effects.iter().any(|e| e.variable == v));
+                lost |= matches!(*a, Atom::Variable(v) if written(v));
+            });
+            lost
+        };
         let value = |atom: &Atom| match *atom {
             Atom::Input(i) => now[i.index()],
             Atom::PrevInput(i) => before.as_ref().unwrap_or(&now)[i.index()],
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
+            Atom::Event(e) => chart.event(e),
+            Atom::In(s) if machine.observes(s) => was(s),
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
         let mut assumed = true;
         for (i, assumption) in machine.safety.assumptions.iter().enumerate() {
-            let broken = assumption.never.eval(&mut |a| value(a));
+            let seen = assumption.never.eval(&mut |a| value(a));
+            let broken = if lost(&assumption.never) { chart.broken(i) } else { seen };
             assumed &= !broken;
             if broken != chart.broken(i) {
                 return wrong(format!("`{}` is broken: {broken}", assumption.name));
@@ -77,7 +96,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let mut acted = false;
         for (id, constraint) in machine.safety.constraints.iter() {
             acted |= chart.acted(id);
-            if constraint.never.eval(&mut |a| value(a)) && !chart.filter_failed() {
+            if !lost(&constraint.never) && constraint.never.eval(&mut |a| value(a)) && !chart.filter_failed() {
                 return wrong(format!("the outputs violate `{}`", constraint.name));
             }
         }
@@ -112,6 +131,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let same = chart.active().eq(again.active())
             && chart.fired() == again.fired()
             && machine.variables.ids().all(|v| chart.variable(v) == again.variable(v))
+            && machine.events.ids().all(|e| chart.event(e) == again.event(e))
             && machine
                 .outputs
                 .ids()
@@ -130,6 +150,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
 enum Meaning {
     State(StateId),
     Variable(VariableId),
+    Event(EventId),
     Command(OutputId),
     Output(OutputId),
     Alarm(ConstraintId),
@@ -142,6 +163,7 @@ impl Meaning {
         match self {
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
+            Meaning::Event(e) => chart.event(e),
             Meaning::Command(o) => chart.command(o),
             Meaning::Output(o) => chart.output(o),
             Meaning::Alarm(c) => chart.acted(c),
@@ -174,6 +196,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
             Role::Input | Role::Condition | Role::Filter => None,
             Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
             Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
+            Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
@@ -192,6 +215,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     // Each has to be there, and once.
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
+        .chain(machine.events.ids().map(Meaning::Event))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
         .chain(machine.safety.marks().map(Meaning::Mark));

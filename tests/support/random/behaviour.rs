@@ -103,6 +103,7 @@ impl Model {
             is_final: false,
             position: None,
             movement: true,
+            leads_to: self.states[target].position,
             ways_out: 1,
             lines: Vec::new(),
         });
@@ -197,7 +198,7 @@ impl Model {
         self.regions[region].lines.push(Item::line(text));
     }
 
-    fn priority(&mut self) -> String {
+    pub fn priority(&mut self) -> String {
         if !self.rng.chance(20) {
             return String::new();
         }
@@ -214,6 +215,9 @@ impl Model {
     /// What happens once, if there is something that may be written in the region.
     fn deeds(&mut self, region: usize) -> Option<String> {
         let mut variables = self.regions[region].variables.clone();
+        if self.events > 0 && (variables.is_empty() || self.rng.chance(30)) {
+            return Some(format!("raise Ev{}", self.rng.below(self.events)));
+        }
         if variables.is_empty() {
             return None;
         }
@@ -319,8 +323,13 @@ impl Model {
             40..=49 => format!("rise(In{input})"),
             50..=55 => format!("fall(In{input})"),
             56..=61 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            62..=66 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
-            76..=85 => format!("in({})", self.states[self.rng.below(self.states.len())].name),
+            76..=85 => {
+                let observed = if self.rng.chance(40) { self.observed() } else { None };
+                let own = self.rng.below(self.states.len());
+                format!("in({})", observed.unwrap_or_else(|| self.states[own].name.clone()))
+            }
             86..=91 => match (0..self.states.len()).filter(|&s| self.can_be_done(s)).collect::<Vec<_>>()[..] {
                 [] => format!("not In{input}"),
                 ref done => format!("done({})", self.states[*self.rng.pick(done)].name),

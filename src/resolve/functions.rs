@@ -12,34 +12,58 @@ use super::Resolver;
 use crate::base::{Code, Diagnostic, Span, iec};
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
-use std::collections::HashMap;
+use crate::ir::source;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 
 /// The tree without functions and sequences.
-pub fn expand(r: &mut Resolver, tree: &Machine) -> Machine {
-    let mut plain = tree.clone();
-    plain.functions.clear();
-    plain.sequences.clear();
-    let inputs: Vec<String> = tree.inputs.iter().map(|i| iec::fold(&i.name.text)).collect();
+pub fn expand<'t>(r: &mut Resolver, tree: &'t Machine) -> Cow<'t, Machine> {
+    if tree.functions.is_empty() && tree.sequences.is_empty() {
+        return Cow::Borrowed(tree);
+    }
+    let mut plain = Machine { functions: Vec::new(), sequences: Vec::new(), ..tree.clone() };
+    let named = named(tree);
+    let inputs: HashSet<String> = tree.inputs.iter().map(|i| iec::fold(&i.name.text)).collect();
     let mut charts = Vec::new();
     let mut known = HashMap::new();
     for function in &tree.functions {
         known.insert(iec::fold(&function.name.text), function);
-        charts.push(Maker { r, plain: &mut plain, inputs: &inputs }.function(function));
+        charts.push(Maker { r, plain: &mut plain, inputs: &inputs, named: &named }.function(function));
     }
     for sequence in &tree.sequences {
-        let maker = Steps { r, known: &known, sequence };
-        charts.extend(maker.chart());
+        charts.extend(Steps { r, known: &known, sequence }.chart());
     }
-    // They stand before the charts that are written: these may ask for functions, not the other way round.
     charts.append(&mut plain.charts);
     plain.charts = charts;
-    plain
+    Cow::Owned(plain)
+}
+
+/// The words of the model, and the events that its sequences mean: what a function brings along and nobody
+/// names is left out.
+fn named(tree: &Machine) -> HashSet<String> {
+    let text = source::source(tree);
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').map(iec::fold);
+    let event = |function: &Name, part: &str| iec::fold(&format!("{}_{part}", function.text));
+    let meant = tree.sequences.iter().flat_map(|s| &s.steps).flat_map(|step| match &step.doing {
+        SequenceDoing::Do(jobs) => jobs
+            .iter()
+            .flat_map(|job| {
+                let end = if job.until.is_some() { "Deactivate" } else { "Ended" };
+                [event(&job.function, "Activate"), event(&job.function, end)]
+            })
+            .collect(),
+        SequenceDoing::Activate(names) => names.iter().map(|n| event(n, "Activate")).collect(),
+        SequenceDoing::Deactivate(names) => names.iter().map(|n| event(n, "Deactivate")).collect::<Vec<_>>(),
+        SequenceDoing::Until(_) | SequenceDoing::Wait(_) => Vec::new(),
+    });
+    words.chain(meant).collect()
 }
 
 struct Maker<'r, 'p> {
     r: &'r mut Resolver,
     plain: &'p mut Machine,
-    inputs: &'p [String],
+    inputs: &'p HashSet<String>,
+    named: &'p HashSet<String>,
 }
 
 impl Maker<'_, '_> {
@@ -47,9 +71,10 @@ impl Maker<'_, '_> {
         let name = |part: &str| Name { text: format!("{}_{part}", f.name.text), span: f.name.span };
         let what = f.description.as_ref().map_or(f.name.text.as_str(), |t| t.value.as_str());
         let about = |text: String| Some(Text { value: text, span: f.name.span });
-        self.event(name("Activate"), about(format!("{what}: asked for")));
-        self.event(name("Deactivate"), about(format!("{what}: asked to end")));
-        self.event(name("Ended"), about(format!("{what}: has ended")));
+        let activate = self.event(name("Activate"), about(format!("{what}: asked for")));
+        let deactivate = self.event(name("Deactivate"), about(format!("{what}: asked to end")));
+        let ended: Vec<Effect> =
+            self.event(name("Ended"), about(format!("{what}: has ended"))).into_iter().map(raised).collect();
         self.variable(name("Requested"), about(format!("{what}: asked for and not yet asked to end")));
 
         let request = self.only(f, "request", &f.request).map(|g| self.over_inputs(g));
@@ -58,8 +83,8 @@ impl Maker<'_, '_> {
         let may = self.only(f, "activate", &f.activate);
         let must = self.only(f, "deactivate", &f.deactivate);
 
-        let asked = any([Some(value(name("Activate"))), request]);
-        let unasked = any([Some(value(name("Deactivate"))), release]);
+        let asked = any([activate.map(value), request]);
+        let unasked = any([deactivate.map(value), release]);
         let (may, must) = (may.unwrap_or(Expr::TRUE), must.unwrap_or(Expr::TRUE));
         let off = name("Off");
         let running = name("Running");
@@ -68,8 +93,6 @@ impl Maker<'_, '_> {
             transitions.push(transition(from, to, Some(guard), effects, f.name.span));
         };
         let mut watch = Vec::new();
-        let requested = || reset(name("Requested"));
-        let ended = || raised(name("Ended"));
         if let Some(abort) = &abort {
             go(&running, &off, abort.clone(), Vec::new());
         }
@@ -80,7 +103,7 @@ impl Maker<'_, '_> {
         if f.automatic.is_some() {
             let wanted = any([Some(asked.clone()), Some(value(name("Requested")))]);
             go(&off, &running, calm(Expr::And(vec![wanted, may])), Vec::new());
-            go(&running, &off, must, vec![requested(), ended()]);
+            go(&running, &off, must, [vec![reset(name("Requested"))], ended].concat());
         } else {
             self.variable(name("ds"), about(format!("{what}: asked for while it may not begin")));
             self.variable(name("fs"), about(format!("{what}: asked to end while it must go on")));
@@ -88,7 +111,7 @@ impl Maker<'_, '_> {
             // Of two requests in one scan the one to activate counts.
             let only_unasked = Expr::And(vec![unasked.clone(), negated(asked.clone())]);
             go(&off, &running, calm(Expr::And(vec![asked.clone(), may.clone()])), alarms);
-            go(&running, &off, Expr::And(vec![only_unasked.clone(), must.clone()]), vec![ended()]);
+            go(&running, &off, Expr::And(vec![only_unasked.clone(), must.clone()]), ended);
             let wrong = calm(Expr::And(vec![asked.clone(), negated(may)]));
             watch.push(internal(wrong, vec![set(name("ds"))], f.name.span));
             let wrong = Expr::And(vec![only_unasked, negated(must)]);
@@ -124,8 +147,11 @@ impl Maker<'_, '_> {
 }
 
 impl Maker<'_, '_> {
-    fn event(&mut self, name: Name, description: Option<Text>) {
-        self.plain.events.push(Event { name, description });
+    /// The event, if somebody names it.
+    fn event(&mut self, name: Name, description: Option<Text>) -> Option<Name> {
+        let named = self.named.contains(&iec::fold(&name.text));
+        named.then(|| self.plain.events.push(Event { name: name.clone(), description }))?;
+        Some(name)
     }
 
     fn variable(&mut self, name: Name, description: Option<Text>) {
@@ -229,7 +255,8 @@ impl Steps<'_, '_> {
             let parallel = (!inside.regions.is_empty()).then_some(step.span);
             body.transitions.push(transition(&here, &next, leave.0, leave.1, step.span));
             let initial = (i == 0).then_some(step.span);
-            body.states.push(State { initial, parallel, ..state(here, step.description.clone(), Some(inside)) });
+            let inside = (!inside.entry.is_empty() || !inside.regions.is_empty()).then_some(inside);
+            body.states.push(State { initial, parallel, ..state(here, step.description.clone(), inside) });
         }
         let (name, description) = (s.name.clone(), s.description.clone());
         Some(Chart { name, controls: None, description, body })

@@ -227,7 +227,8 @@ impl Steps<'_, '_> {
             );
         }
         let mut body = Body { span: s.name.span, ..Body::default() };
-        let name = |i: usize| Name { text: format!("{}_{}", s.name.text, i % s.steps.len() + 1), span: s.steps[i].span };
+        let name =
+            |i: usize| Name { text: format!("{}_{}", s.name.text, i % s.steps.len() + 1), span: s.steps[i].span };
         if let Some(abort) = s.abort.first() {
             let begin = transition(&name(0), &name(0), Some(abort.expr.clone()), Vec::new(), abort.span);
             body.transitions.push(Transition { source: Source::Any(abort.span), ..begin });
@@ -323,16 +324,7 @@ impl Steps<'_, '_> {
 }
 
 fn state(name: Name, description: Option<Text>, body: Option<Body>) -> State {
-    State {
-        name,
-        initial: None,
-        is_final: None,
-        parallel: None,
-        position: None,
-        controls: None,
-        description,
-        body,
-    }
+    State { name, initial: None, is_final: None, parallel: None, position: None, controls: None, description, body }
 }
 
 fn value(name: Name) -> Expr<Term> {

@@ -257,6 +257,26 @@ impl Resolver {
         (!self.names.everywhere.contains_key(&folded)).then(|| chart.regions.first().copied()).flatten()
     }
 
+    /// The state that `parts` mean in the chart of that name and first region.
+    pub fn state_of_chart(
+        &mut self,
+        chart: &(&str, Span),
+        parts: &[(&str, Span)],
+        first: chart::RegionId,
+    ) -> Option<chart::StateId> {
+        let found = self.state(parts, Some(first))?;
+        let of = |region: chart::RegionId| self.machine.regions[region].chart;
+        if of(self.machine.states[found].region) == of(first) {
+            return Some(found);
+        }
+        let path = self.machine.state_path(found);
+        self.diagnostics.push(
+            Diagnostic::new(Code::UnknownName, format!("`{}` holds no `{path}`", chart.0))
+                .label(parts[0].1, "a state of another chart"),
+        );
+        None
+    }
+
     /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
     /// else anywhere in the machine if only one fits.
     pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {

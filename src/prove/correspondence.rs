@@ -97,7 +97,11 @@ impl Correspondence {
             outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
             events: machine.events.values().map(|e| or_own(Role::Event, e.span, &e.name)).collect(),
-            raised: machine.events.values().map(|e| find(Role::Condition, e.span)).collect(),
+            raised: machine
+                .events
+                .values()
+                .map(|e| by_name.get(&(rank(Role::Condition), e.span, e.name.as_str())).map(|n| n.to_string()))
+                .collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),

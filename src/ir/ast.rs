@@ -6,6 +6,11 @@
 use super::expr::Expr;
 use crate::base::Span;
 
+mod functions;
+mod ways;
+pub use functions::{Function, Job, Sequence, SequenceDoing, SequenceStep};
+pub use ways::{Branch, Choice, Source, Target};
+
 /// A word with its place: a declared name or one part of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {
@@ -253,6 +258,8 @@ pub struct Body {
     pub states: Vec<State>,
     /// `region …`, only in parallel states and charts.
     pub regions: Vec<Region>,
+    /// `choice …`.
+    pub choices: Vec<Choice>,
     /// `from … to …` and `move from … to …`.
     pub transitions: Vec<Transition>,
     /// `drives …`.
@@ -272,7 +279,18 @@ pub struct Body {
 impl Body {
     /// Whether it says what a state does, apart from what the state holds.
     pub fn does_something(&self) -> bool {
-        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        let Body {
+            drives,
+            actions,
+            entry,
+            exit,
+            internals,
+            states: _,
+            regions: _,
+            choices: _,
+            transitions: _,
+            span: _,
+        } = self;
         !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
     }
 }
@@ -316,8 +334,8 @@ pub struct Region {
 pub struct Transition {
     /// Where it starts.
     pub source: Source,
-    /// Where it leads.
-    pub target: Path,
+    /// Where it leads; one state for a movement.
+    pub target: Target,
     /// Present for a movement.
     pub movement: Option<Movement>,
     /// `priority N`.
@@ -330,15 +348,6 @@ pub struct Transition {
     pub description: Option<Text>,
     /// All of it.
     pub span: Span,
-}
-
-/// Where a transition starts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// One state.
-    State(Path),
-    /// `any`: each state of the region in which it is written.
-    Any(Span),
 }
 
 /// What makes a transition a movement.
@@ -401,77 +410,6 @@ pub struct Action {
     pub value: bool,
     /// Its condition.
     pub condition: Option<Guard>,
-}
-
-/// `function F23 automatic "go up" { activate when … deactivate when … drives … }`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Function {
-    /// Its name.
-    pub name: Name,
-    /// `automatic`, where it stands.
-    pub automatic: Option<Span>,
-    /// What it does.
-    pub description: Option<Text>,
-    /// `activate when …`, every one that was written.
-    pub activate: Vec<Guard>,
-    /// `deactivate when …`, likewise.
-    pub deactivate: Vec<Guard>,
-    /// `abort when …`, likewise.
-    pub abort: Vec<Guard>,
-    /// `request when …`, likewise.
-    pub request: Vec<Guard>,
-    /// `release when …`, likewise.
-    pub release: Vec<Guard>,
-    /// What else stands between its braces: what happens while it runs.
-    pub body: Body,
-}
-
-/// `sequence Bottling "…" { abort when … do F23 … }`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sequence {
-    /// Its name.
-    pub name: Name,
-    /// What it is for.
-    pub description: Option<Text>,
-    /// `abort when …`, every one that was written.
-    pub abort: Vec<Guard>,
-    /// What is done, in order.
-    pub steps: Vec<SequenceStep>,
-}
-
-/// One line of a sequence.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SequenceStep {
-    /// What is done.
-    pub doing: SequenceDoing,
-    /// All of it.
-    pub span: Span,
-    /// Why.
-    pub description: Option<Text>,
-}
-
-/// What a line of a sequence does.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SequenceDoing {
-    /// `do F23, F11`: runs functions side by side until all have ended.
-    Do(Vec<Job>),
-    /// `activate F251`.
-    Activate(Vec<Name>),
-    /// `deactivate F251`.
-    Deactivate(Vec<Name>),
-    /// `wait until …`.
-    Until(Guard),
-    /// `wait 500ms`.
-    Wait(Duration),
-}
-
-/// `F21 until Out2`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Job {
-    /// The function.
-    pub function: Name,
-    /// When it is to be deactivated.
-    pub until: Option<Guard>,
 }
 
 /// `safety supervisor relief in-order reset by Ack { … }`.

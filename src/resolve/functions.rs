@@ -348,7 +348,7 @@ fn transition(from: &Name, to: &Name, guard: Option<Expr<Term>>, effects: Vec<Ef
     let path = |name: &Name| Path { parts: vec![name.clone()] };
     Transition {
         source: Source::State(path(from)),
-        target: path(to),
+        target: Target::State(path(to)),
         movement: None,
         priority: None,
         guard: guard.map(|expr| Guard { expr, span }),

@@ -17,6 +17,7 @@ pub mod drawing;
 pub mod expr;
 pub mod iec;
 pub mod ladder;
+pub mod number;
 pub mod outline;
 pub mod plc;
 pub mod relief;

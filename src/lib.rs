@@ -17,13 +17,15 @@
 //! is executed, [`simulate`] executes it scan by scan, and the machine that it was made from, in its
 //! plant and with its scenarios.
 //!
-//! [`ir`] holds the forms in between and says what they mean; [`base`] what all layers share.
+//! [`ir`] holds the forms in between and says what they mean; [`bits`] Boolean functions and a solver for
+//! them; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
 
 // The documentation is for those who work on the compiler: it is built with private items.
 #![allow(rustdoc::private_intra_doc_links)]
 
 pub mod base;
+pub mod bits;
 pub mod check;
 pub mod cli;
 pub mod emit;

@@ -6,6 +6,8 @@
 use crate::support::proof::{Simulated, build, read_back, verdict};
 use crate::support::rng::Rng;
 use crate::support::{items, models, random, shrink};
+use chartwright::bits::aig;
+use chartwright::bits::sat::{Answer, Budget, Sat};
 use chartwright::pipeline::Dialect;
 use chartwright::prove::chart_step::ChartStep;
 use chartwright::prove::configuration;
@@ -14,8 +16,7 @@ use chartwright::prove::lemmas::{Facts, Lemmas};
 use chartwright::prove::matching::{Match, Pair};
 use chartwright::prove::parts::Part;
 use chartwright::prove::program_step::ProgramStep;
-use chartwright::prove::sat::{Answer, Budget, Sat};
-use chartwright::prove::{Correspondence, Doubt, Verdict, aig, chart_filter};
+use chartwright::prove::{Correspondence, Doubt, Verdict, chart_filter};
 use std::time::Instant;
 
 const DIALECTS: [Dialect; 2] = [Dialect::Beremiz, Dialect::Codesys];

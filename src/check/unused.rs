@@ -17,7 +17,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     };
     for t in machine.transitions.values() {
         look(&t.guard);
-        t.effects.iter().for_each(|(v, _)| written[v.index()] = true);
+        t.effects.iter().for_each(|e| written[e.variable.index()] = true);
     }
     for state in machine.states.values() {
         for d in &state.drives {

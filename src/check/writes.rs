@@ -24,8 +24,8 @@ impl Writer {
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut writers = vec![Vec::new(); machine.variables.len()];
     for t in machine.transitions.values() {
-        for (v, _) in &t.effects {
-            writers[v.index()].push(Writer::Step(t.scope, t.span));
+        for effect in &t.effects {
+            writers[effect.variable.index()].push(Writer::Step(t.scope, t.span));
         }
     }
     for (id, state) in machine.states.iter() {

@@ -276,6 +276,17 @@ pub struct Action {
     pub span: Span,
 }
 
+/// A variable that becomes `value` once, when what it belongs to happens.
+#[derive(Clone, Copy, Debug)]
+pub struct Effect {
+    /// The variable.
+    pub variable: VariableId,
+    /// What it becomes.
+    pub value: bool,
+    /// Where it is written.
+    pub span: Span,
+}
+
 /// A transition.
 #[derive(Clone, Debug)]
 pub struct Transition {
@@ -288,7 +299,7 @@ pub struct Transition {
     /// Read from before the step.
     pub guard: Guard,
     /// What becomes of variables when it fires; no variable twice.
-    pub effects: Vec<(VariableId, bool)>,
+    pub effects: Vec<Effect>,
     /// Explicit priority: lower fires first, and before transitions without one.
     pub priority: Option<u32>,
     /// Why it is there.

@@ -194,7 +194,7 @@ impl Writer<'_> {
             let effects: Vec<String> = t
                 .effects
                 .iter()
-                .map(|&(v, value)| format!("{} {}", if value { "set" } else { "reset" }, m.variables[v].name))
+                .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, m.variables[e.variable].name))
                 .collect();
             let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
             let (source, target) = (m.state_path(t.source), m.state_path(t.target));

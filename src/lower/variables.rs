@@ -16,9 +16,9 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
     let count = machine.variables.len();
     let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
     for (id, t) in machine.transitions.iter() {
-        for &(v, value) in &t.effects {
+        for effect in &t.effects {
             let fires = Expr::Atom(context.fires(id));
-            effects[v.index()][usize::from(value)].push(fires);
+            effects[effect.variable.index()][usize::from(effect.value)].push(fires);
         }
     }
     let mut actions: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];

@@ -8,8 +8,8 @@
 //! That also settles what happens when the plant breaks an assumption and a violated product cannot be
 //! relieved: the filter stays with what it selects when no new product is violated any more.
 
-use super::aig::{Aig, Lit};
-use super::sat::{Answer, Budget, Sat};
+use crate::bits::aig::{Aig, Lit};
+use crate::bits::sat::{Answer, Budget, Sat};
 use crate::ir::chart::{Atom, Machine, OutputId};
 use crate::ir::sop::{Literal, Product};
 use std::collections::HashMap;

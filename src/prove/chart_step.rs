@@ -13,8 +13,8 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
-use super::aig::{Aig, Lit};
 use super::chart_filter;
+use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
 use std::collections::{BTreeMap, HashMap};
 
@@ -209,8 +209,8 @@ impl<'m> ChartStep<'m> {
         let (active, entered) = self.configuration(aig, &before.active, &fires, start);
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         for (id, t) in m.transitions.iter() {
-            for &(v, value) in &t.effects {
-                writes[v.index()][usize::from(value)].push(fires[id.index()]);
+            for effect in &t.effects {
+                writes[effect.variable.index()][usize::from(effect.value)].push(fires[id.index()]);
             }
         }
         let variables = write(aig, &before.variables, &writes);

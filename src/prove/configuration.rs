@@ -8,8 +8,8 @@
 //! That the chart's own step never leaves these configurations is proved like everything else
 //! ([`broken`]).
 
-use super::aig::{Aig, Lit};
 use super::chart_step::ChartState;
+use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{Machine, RegionId, StateId};
 
 /// A state of memory about which nothing is known but that its configuration is one, and that no time

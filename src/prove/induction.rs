@@ -7,15 +7,15 @@
 //! piece in the order in which the program computes it, and each piece that is proved is replaced by
 //! the chart's literal, so that no later question has to prove it again.
 
-use super::aig::{Aig, Lit, lanes};
 use super::chart_step::{ChartScan, ChartState};
 use super::configuration;
 use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
 use super::parts::{Meaning, Part};
 use super::program_step::{ProgramState, ProgramStep};
-use super::random::Random;
-use super::sat::{Answer, Budget, Model, Sat};
+use crate::bits::aig::{Aig, Lit, lanes};
+use crate::bits::random::Random;
+use crate::bits::sat::{Answer, Budget, Model, Sat};
 use crate::ir::chart::RegionId;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -384,7 +384,7 @@ impl<'s> Compare<'s> {
         let differ = aig.and(differ, given);
         for (leaves, values) in self.leaves.iter_mut().zip(&mut self.samples) {
             while leaves.len() < aig.leaves().len() {
-                leaves.push(self.random.next());
+                leaves.push(self.random.word());
             }
             aig.simulate(leaves, values);
             let word = lanes(values, differ);
@@ -412,7 +412,7 @@ impl<'s> Compare<'s> {
 fn samples(aig: &Aig) -> Vec<Vec<u64>> {
     let mut random = Random::new(2);
     let word = |_| {
-        let leaves: Vec<u64> = aig.leaves().map(|_| random.next()).collect();
+        let leaves: Vec<u64> = aig.leaves().map(|_| random.word()).collect();
         let mut values = Vec::new();
         aig.simulate(&leaves, &mut values);
         values

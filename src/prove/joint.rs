@@ -4,10 +4,10 @@
 //! hold it, one for the first scan and one for any later scan. A [`Run`] executes them with 64
 //! sequences of inputs at once; copied with memory put in as constants they are what a solver is asked.
 
-use super::aig::{Aig, Lit, lanes};
 use super::chart_step::{ChartScan, ChartState};
 use super::matching::{Match, Pair};
 use super::parts::Part;
+use crate::bits::aig::{Aig, Lit, lanes};
 use crate::ir::iec::Time;
 
 /// What the machine gets for one scan.

@@ -6,11 +6,11 @@
 //! found before; where that fails from yet another configuration, this one is treated first (Bradley
 //! and Manna, 2007: inductive strengthening by counterexamples to induction).
 
-use super::aig::{Aig, Lit, lanes};
 use super::chart_step::{ChartScan, ChartState};
 use super::configuration;
 use super::matching::Pair;
-use super::sat::{Answer, Budget, Model, Sat};
+use crate::bits::aig::{Aig, Lit, lanes};
+use crate::bits::sat::{Answer, Budget, Model, Sat};
 
 /// Facts about what a chart remembers, as indices into [`ChartState::bits`] and values.
 pub type Facts = Vec<(usize, bool)>;

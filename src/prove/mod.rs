@@ -2,9 +2,7 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | [`aig`] | Boolean functions as and-inverter graphs: the one bit-level form of everything here |
-//! | [`sat`] | questions about them to a solver |
-//! | [`chart_step`] | one scan of a chart as such functions, from the chart's own meaning |
+//! | [`chart_step`] | one scan of a chart as Boolean functions ([`bits`](crate::bits)), from the chart's own meaning |
 //! | [`program_step`] | one scan of a PLC project as such functions, from the project's own meaning |
 //! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
@@ -17,7 +15,6 @@
 //! Nothing here knows of the passes that made the program or of the writer that wrote it: [`lower`](crate::lower)
 //! and [`emit`](crate::emit) are what is on trial.
 
-pub mod aig;
 pub mod chart_filter;
 pub mod chart_step;
 pub mod configuration;
@@ -29,8 +26,6 @@ pub mod lemmas;
 pub mod matching;
 pub mod parts;
 pub mod program_step;
-mod random;
-pub mod sat;
 pub mod search;
 pub mod shorten;
 pub mod trace;

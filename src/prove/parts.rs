@@ -1,8 +1,8 @@
 //! The parts of a machine that something in a program stands for, and what a program can remember of
 //! them.
 
-use super::aig::Lit;
 use super::chart_step::{ChartScan, ChartState};
+use crate::bits::aig::Lit;
 use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, VariableId};
 
 /// A part of a machine that something in the program stands for.

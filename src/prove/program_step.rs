@@ -8,7 +8,7 @@
 //! Of the timers, TON with a constant preset time is encoded: whether the time since its start has
 //! passed is a literal that is given for each scan.
 
-use super::aig::{Aig, Lit};
+use crate::bits::aig::{Aig, Lit};
 use crate::ir::iec::{
     Action, Atom, Block, BlockId, BlockKind, Body, Bool, Call, CoilKind, Condition, Kind, Number, Project, Qualifier,
     Scope, Sfc, Statement, StepId, Target, Time, VarId, Variable,

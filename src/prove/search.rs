@@ -7,11 +7,11 @@
 //!
 //! Finding nothing proves nothing. What is counted is work and not time, so that every run ends alike.
 
-use super::aig::{Aig, Lit};
 use super::joint::{Joint, Memory, Run, Stimulus};
-use super::random::Random;
-use super::sat::{Answer, Budget, Model, Sat};
 use super::shorten::shorten;
+use crate::bits::aig::{Aig, Lit};
+use crate::bits::random::Random;
+use crate::bits::sat::{Answer, Budget, Model, Sat};
 use crate::ir::iec::Time;
 use std::collections::HashSet;
 
@@ -84,7 +84,7 @@ impl Search<'_> {
             return Some(vec![self.stimulus(&model, 0, self.joint.cycle)]);
         }
         // Lane 0 begins with everything FALSE, lane 1 with everything TRUE.
-        let inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.next() & !1 | 2).collect();
+        let inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.word() & !1 | 2).collect();
         let mut run = Run::new(self.joint);
         run.scan(&inputs, self.joint.cycle);
         for lane in 0..64 {
@@ -134,12 +134,12 @@ impl Search<'_> {
     fn run(&mut self, start: usize, scans: usize) -> Option<Vec<Stimulus>> {
         let mut run = Run::from(self.joint, &self.pool[start].memory);
         // Every input in every lane has a habit of its own.
-        let habits: Vec<[u64; 2]> = (0..self.joint.inputs).map(|_| [self.random.next(), self.random.next()]).collect();
-        let mut inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.next()).collect();
+        let habits: Vec<[u64; 2]> = (0..self.joint.inputs).map(|_| [self.random.word(), self.random.word()]).collect();
+        let mut inputs: Vec<u64> = (0..self.joint.inputs).map(|_| self.random.word()).collect();
         let mut history: Vec<(Time, Vec<u64>)> = Vec::new();
         for _ in 0..scans {
             for (word, [a, b]) in inputs.iter_mut().zip(&habits) {
-                let (x, y, z) = (self.random.next(), self.random.next(), self.random.next());
+                let (x, y, z) = (self.random.word(), self.random.word(), self.random.word());
                 let rarely = x & y & z;
                 let changes = *word ^ rarely;
                 *word = !a & !b & changes | !a & b & x | a & !b & !rarely | a & b & rarely;

@@ -1,9 +1,9 @@
 //! A run of chart and program side by side, as a table.
 
-use super::aig::Lit;
 use super::joint::{Joint, Run, Stimulus};
 use super::matching::{Match, Pair};
 use super::parts::Part;
+use crate::bits::aig::Lit;
 use crate::ir::iec::Time;
 use std::fmt;
 

@@ -196,31 +196,26 @@ fn details(
     body: &ResolvedBody<'_>,
     written: &ast::Transition,
     source: chart::StateId,
-) -> (Guard, Vec<(chart::VariableId, bool)>) {
+) -> (Guard, Vec<chart::Effect>) {
     let guard = match &written.guard {
         Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
-    let mut effects: Vec<(chart::VariableId, bool)> = Vec::new();
-    for (i, effect) in written.effects.iter().enumerate() {
+    let mut effects: Vec<chart::Effect> = Vec::new();
+    for effect in &written.effects {
         let Some(variable) = r.variable(&effect.variable) else { continue };
-        match effects.iter().find(|(v, _)| *v == variable) {
-            None => effects.push((variable, effect.value)),
-            Some((_, value)) if *value == effect.value => {}
-            Some(_) => {
-                let first =
-                    written.effects[..i].iter().find(|e| e.variable.text.eq_ignore_ascii_case(&effect.variable.text));
-                let mut d = Diagnostic::new(
+        match effects.iter().find(|e| e.variable == variable) {
+            None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
+            Some(first) if first.value == effect.value => {}
+            Some(first) => r.diagnostics.push(
+                Diagnostic::new(
                     Code::SetAndReset,
                     format!("this transition sets and resets `{}`", effect.variable.text),
                 )
-                .label(effect.variable.span, "and here the other");
-                if let Some(first) = first {
-                    d = d.label(first.variable.span, "here the one");
-                }
-                r.diagnostics.push(d);
-            }
+                .label(effect.variable.span, "and here the other")
+                .label(first.span, "here the one"),
+            ),
         }
     }
     (guard, effects)
@@ -232,7 +227,7 @@ fn transition(
     target: chart::StateId,
     scope: chart::RegionId,
     guard: Guard,
-    effects: Vec<(chart::VariableId, bool)>,
+    effects: Vec<chart::Effect>,
 ) -> chart::Transition {
     chart::Transition {
         source,

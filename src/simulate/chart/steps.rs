@@ -145,10 +145,10 @@ impl Steps {
             let (word, bit) = layout.state(state);
             words.entry(word).or_default().1 |= bit;
         }
-        for &(variable, value) in &t.effects {
-            let (word, bit) = layout.variable(variable);
+        for effect in &t.effects {
+            let (word, bit) = layout.variable(effect.variable);
             let change = words.entry(word).or_default();
-            *(if value { &mut change.1 } else { &mut change.0 }) |= bit;
+            *(if effect.value { &mut change.1 } else { &mut change.0 }) |= bit;
         }
         let changes = words.into_iter().map(|(word, (clear, set))| Change { word: word as u32, clear, set });
         let changes = append(&mut self.changes, changes);

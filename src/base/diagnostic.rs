@@ -192,6 +192,12 @@ codes! {
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
 
+    BadRange "E340" "the range of an integer, or its initial value, does not fit",
+    WrongAssignment "E341" "a variable is written in a way that its type does not allow",
+    LeavesInt "E342" "an integer expression is too long, or can leave the type INT",
+    DecidedComparison "E343" "a comparison is TRUE, or FALSE, whatever the integers are",
+    NeverInRange "E344" "what is assigned to an integer always lies outside its range",
+
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",
     CannotYield "E403" "an output is named to yield that cannot relieve the constraint",

@@ -7,11 +7,13 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
     let mut read = vec![false; machine.variables.len()];
     let mut written = vec![false; machine.variables.len()];
+    let mut compared = vec![false; machine.comparisons.len()];
     let mut driven = vec![false; machine.outputs.len()];
     let mut look = |guard: &Guard| {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
+            Atom::Compare(c) => compared[c.index()] = true,
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
@@ -52,6 +54,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(variable.span, "declared here"),
         );
     }
+    integers(machine, &compared, found);
     for (id, output) in machine.outputs.iter() {
         if !driven[id.index()] {
             found.push(
@@ -60,5 +63,31 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                     .help("write `drives` in a state, or let a region control its actuator"),
             );
         }
+    }
+}
+
+/// Integers: `compared` says which comparisons conditions of the program read.
+fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
+    let mut read = vec![false; machine.integers.len()];
+    let mut written = vec![false; machine.integers.len()];
+    for ((_, comparison), _) in machine.comparisons.iter().zip(compared).filter(|(_, compared)| **compared) {
+        comparison.left.for_each_value(&mut |i| read[i.index()] = true);
+        comparison.right.for_each_value(&mut |i| read[i.index()] = true);
+    }
+    for assignment in machine.transitions.values().flat_map(|t| &t.assignments) {
+        written[assignment.integer.index()] = true;
+        // What only keeps itself up is of no use to anything else.
+        assignment.value.for_each_value(&mut |i| read[i.index()] |= *i != assignment.integer);
+    }
+    for (id, integer) in machine.integers.iter() {
+        let problem = match (read[id.index()], written[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never compared with anything",
+            (true, false) => "never given another value",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
+                .label(integer.span, "declared here"),
+        );
     }
 }

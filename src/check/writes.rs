@@ -33,7 +33,15 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             writers[a.variable.index()].push(Writer::Action(id, a.span));
         }
     }
-    for (variable, writers) in machine.variables.iter().map(|(id, v)| (v, &writers[id.index()])) {
+    let mut assigners = vec![Vec::new(); machine.integers.len()];
+    for t in machine.transitions.values() {
+        for assignment in &t.assignments {
+            assigners[assignment.integer.index()].push(Writer::Step(t.scope, t.span));
+        }
+    }
+    let variables = machine.variables.values().map(|v| &v.name).zip(&writers);
+    let integers = machine.integers.values().map(|i| &i.name).zip(&assigners);
+    for (name, writers) in variables.chain(integers) {
         let pair = writers
             .iter()
             .enumerate()
@@ -42,7 +50,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             found.push(
                 Diagnostic::new(
                     Code::ParallelWrites,
-                    format!("regions that run side by side may write `{}` in the same scan", variable.name),
+                    format!("regions that run side by side may write `{name}` in the same scan"),
                 )
                 .label(a.span(), "written here")
                 .label(b.span(), "and here")

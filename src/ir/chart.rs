@@ -11,11 +11,13 @@
 //!    its *scope*, the innermost region that contains source and target. In an active region, of the
 //!    enabled transitions of this scope the one with the outermost source fires, then the one that
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
-//!    active state takes a step. Guards read states and variables from before the step.
+//!    active state takes a step. Guards read states, variables and integers from before the step.
 //! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
 //!    the way down to it every parallel sibling, and below it every region, enters its initial
 //!    state. Source and target may lie in the same state of the scope: it is left and entered again.
-//! 4. Effects of the fired transitions happen, then [`Action`]s of the states that are active now:
+//! 4. Effects of the fired transitions happen, their [`Assignment`]s to integers included: an integer
+//!    becomes the value, or the bound of its range that the value is beyond, and the value is that of
+//!    the integers from before the step. Then [`Action`]s of the states that are active now:
 //!    first all that set, then all that reset. Their conditions read states as they are now and
 //!    variables as the transitions left them.
 //! 5. The command of an output is the OR of the [`Drive`]s of the states that are active now;
@@ -25,6 +27,7 @@
 //! The first scan enters the initial states and takes no transition.
 
 use super::expr::Expr;
+use super::number::{Comparison, Number, Range};
 use super::scenario::{Plant, Scenario};
 use super::sop::Product;
 use crate::base::{Arena, Id, Span};
@@ -37,6 +40,10 @@ pub type InputId = Id<Input>;
 pub type OutputId = Id<Output>;
 /// Names a variable.
 pub type VariableId = Id<Variable>;
+/// Names an integer.
+pub type IntegerId = Id<Integer>;
+/// Names a comparison.
+pub type ComparisonId = Id<Comparison<IntegerId>>;
 /// Names an actuator.
 pub type ActuatorId = Id<Actuator>;
 /// Names a region.
@@ -63,6 +70,11 @@ pub struct Machine {
     pub outputs: Arena<Output>,
     /// What is remembered, in order of declaration.
     pub variables: Arena<Variable>,
+    /// What is counted, in order of declaration.
+    pub integers: Arena<Integer>,
+    /// What conditions ask of integers, each once, in order of first mention. None is TRUE or FALSE
+    /// whatever the integers are within their ranges, and no part of one can leave the type INT.
+    pub comparisons: Arena<Comparison<IntegerId>>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
     /// The charts, in order of declaration. They run side by side.
@@ -120,6 +132,21 @@ pub struct Variable {
     pub span: Span,
 }
 
+/// A variable of type INT that never leaves its range.
+#[derive(Clone, Debug)]
+pub struct Integer {
+    /// Its name.
+    pub name: String,
+    /// What it can be; within the type INT.
+    pub range: Range,
+    /// Its value before the first scan; within the range.
+    pub initial: i64,
+    /// What it counts.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// A technical device with positions. What its technology demands of outputs has become
 /// [`Drive`]s of states; what remains is for reading and for analysis.
 #[derive(Clone, Debug)]
@@ -165,6 +192,8 @@ pub enum Atom {
     PrevOutput(OutputId),
     /// The variable.
     Variable(VariableId),
+    /// Whether the comparison holds, for integers as they are when variables are read here.
+    Compare(ComparisonId),
     /// Whether the state is active.
     In(StateId),
     /// Whether every region of the state is in a final state.
@@ -287,6 +316,18 @@ pub struct Effect {
     pub span: Span,
 }
 
+/// An integer that takes a value once, when what it belongs to happens. What would leave its range
+/// stops at the bound.
+#[derive(Clone, Debug)]
+pub struct Assignment {
+    /// The integer.
+    pub integer: IntegerId,
+    /// What it becomes; read from before the step. No part of it can leave the type INT.
+    pub value: Number<IntegerId>,
+    /// Where it is written.
+    pub span: Span,
+}
+
 /// A transition.
 #[derive(Clone, Debug)]
 pub struct Transition {
@@ -300,6 +341,8 @@ pub struct Transition {
     pub guard: Guard,
     /// What becomes of variables when it fires; no variable twice.
     pub effects: Vec<Effect>,
+    /// What becomes of integers when it fires; no integer twice.
+    pub assignments: Vec<Assignment>,
     /// Explicit priority: lower fires first, and before transitions without one.
     pub priority: Option<u32>,
     /// Why it is there.
@@ -412,6 +455,22 @@ impl Machine {
         }
     }
 
+    /// A comparison, as a model writes it.
+    pub fn comparison(&self, comparison: ComparisonId) -> String {
+        let mut out = String::new();
+        let written = self.comparisons[comparison].write(&mut out, &mut |&i, f| f.write_str(&self.integers[i].name));
+        written.expect("writing to a string succeeds");
+        out
+    }
+
+    /// An integer expression, as a model writes it.
+    pub fn number(&self, number: &Number<IntegerId>) -> String {
+        let mut out = String::new();
+        let written = number.write(&mut out, &mut |&i, f| f.write_str(&self.integers[i].name));
+        written.expect("writing to a string succeeds");
+        out
+    }
+
     /// What an expression reads, as a model writes it.
     pub fn atom(&self, atom: Atom) -> String {
         match atom {
@@ -420,6 +479,7 @@ impl Machine {
             Atom::Output(o) => self.outputs[o].name.clone(),
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::Compare(c) => self.comparison(c),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),

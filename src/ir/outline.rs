@@ -33,6 +33,9 @@ impl Writer<'_> {
         for v in m.variables.values() {
             writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
         }
+        for i in m.integers.values() {
+            writeln!(self.out, "integer {} {}..{} := {}", i.name, i.range.lowest, i.range.highest, i.initial)?;
+        }
         for a in m.actuators.values() {
             let positions: Vec<String> = a
                 .positions
@@ -191,11 +194,13 @@ impl Writer<'_> {
         }
         for (rank, &t) in self.scoped[id.index()].iter().enumerate() {
             let t = &m.transitions[t];
-            let effects: Vec<String> = t
+            let mut effects: Vec<String> = t
                 .effects
                 .iter()
                 .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, m.variables[e.variable].name))
                 .collect();
+            let value = |a: &Assignment| format!("{} := {}", m.integers[a.integer].name, m.number(&a.value));
+            effects.extend(t.assignments.iter().map(value));
             let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
             let (source, target) = (m.state_path(t.source), m.state_path(t.target));
             writeln!(

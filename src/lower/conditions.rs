@@ -243,9 +243,10 @@ pub fn finish(context: &mut Context<'_>) -> Ladder {
     let mut rungs = Vec::new();
     previous_values(context, &mut rungs);
     let restarts = restarts(context);
+    let comparing = std::mem::take(&mut context.integers.comparing);
     let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
         std::mem::take(&mut context.conditions);
-    for group in [latches, timing, enabling, ranking, firing, entering, restarts] {
+    for group in [comparing, latches, timing, enabling, ranking, firing, entering, restarts] {
         rungs.extend(group);
     }
     Ladder { rungs }

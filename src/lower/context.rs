@@ -1,12 +1,13 @@
 //! What the passes share: the globals made so far and which of them stands for what.
 
 use super::entries::Entries;
+use super::integers::Integers;
 use super::names::Names;
 use crate::base::{Arena, Span};
 use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
-use crate::ir::plc::{Global, GlobalId, Origin, Role};
+use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
 use std::collections::BTreeMap;
 
 /// An expression over globals.
@@ -28,6 +29,7 @@ pub struct Context<'m> {
     pub scoped: Vec<Vec<TransitionId>>,
     pub entries: Entries,
     pub conditions: Conditions,
+    pub integers: Integers,
 }
 
 /// The conditions asked for so far, and the rungs that compute them, in groups that depend only on
@@ -68,6 +70,7 @@ impl<'m> Context<'m> {
             entries: Entries::of(machine),
             scoped,
             conditions: Conditions::default(),
+            integers: Integers::default(),
         };
         context.signals();
         for v in machine.variables.values() {
@@ -75,13 +78,14 @@ impl<'m> Context<'m> {
             let id = context.globals.push(Global {
                 name: v.name.clone(),
                 address: None,
-                initial: v.initial,
+                initial: Value::Bool(v.initial),
                 role: Role::Variable,
                 description: v.description.clone(),
                 origin,
             });
             context.variables.push(id);
         }
+        context.integers();
         for (id, state) in machine.states.iter() {
             let name = context.names.state("X", id);
             let path = machine.state_path(id);
@@ -106,7 +110,7 @@ impl<'m> Context<'m> {
                     ids[i] = Some(self.globals.push(Global {
                         name: (*name).clone(),
                         address: (*address).clone(),
-                        initial: false,
+                        initial: Value::Bool(false),
                         role: *role,
                         description: (*description).clone(),
                         origin: origin(format!("{what} {name}"), *span),
@@ -121,7 +125,7 @@ impl<'m> Context<'m> {
 
     /// A new global that is FALSE before the first scan.
     pub fn global(&mut self, name: String, role: Role, description: String, origin: Origin) -> GlobalId {
-        self.globals.push(Global { name, address: None, initial: false, role, description, origin })
+        self.globals.push(Global { name, address: None, initial: Value::Bool(false), role, description, origin })
     }
 
     /// A guard as a program reads it that runs before the chart's step or takes part in it. Flags of
@@ -133,6 +137,7 @@ impl<'m> Context<'m> {
             Atom::In(s) => Expr::Atom(self.active(s)),
             Atom::Done(s) => Expr::Atom(self.done(s)),
             Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
+            Atom::Compare(c) => Expr::Atom(self.compared_before(c)),
             other => self.value(other),
         })
     }
@@ -142,6 +147,7 @@ impl<'m> Context<'m> {
         condition.map(&mut |atom| match *atom {
             Atom::In(s) => Expr::Atom(self.flags[s.index()]),
             Atom::Done(s) => self.done_by_flags(s),
+            Atom::Compare(c) => Expr::Atom(self.compared_after(c)),
             other => self.value(other),
         })
     }
@@ -154,7 +160,7 @@ impl<'m> Context<'m> {
             Atom::PrevInput(i) => self.previous(i.index()),
             Atom::PrevOutput(o) => self.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
-            Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+            Atom::Compare(_) | Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
                 unreachable!("{atom:?} depends on where it is read")
             }
         })

@@ -226,6 +226,7 @@ impl Filter {
                 Atom::Output(o) => {
                     Expr::Atom(self.selected[o.index()].expect("outputs of a product are selected first"))
                 }
+                Atom::Compare(c) => Expr::Atom(context.compared_after(c)),
                 other => context.value(other),
             };
             if l.negated { value.not() } else { value }

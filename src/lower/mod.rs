@@ -1,7 +1,8 @@
 //! Machine to PLC project. It cannot fail on a machine that [`check`](crate::check) accepts.
 //!
 //! Gone after it: the hierarchy (each region is an SFC that its parent's flag starts and stops),
-//! guards over states (latched conditions), effects and actions (set and reset coils), drives (one
+//! guards over states (latched conditions), effects and actions (set and reset coils),
+//! integers and comparisons (rungs with functions), drives (one
 //! rung per output), constraints (rungs of the filter).
 //!
 //! The programs of the one task, in the order in which it runs them:
@@ -10,7 +11,7 @@
 //! | --- | --- | --- |
 //! | `Conditions` | [`conditions`] | latches what guards read from other programs; decides early what several programs need to know |
 //! | one per region, parents first | [`regions`] | the chart |
-//! | `Variables` | [`variables`] | what transitions and active states set and reset |
+//! | `Variables` | [`integers`], [`variables`] | what transitions and active states set, reset and count |
 //! | `Outputs` | [`outputs`] | one rung per output: its command |
 //! | `Filter` | [`filter`] | one rung per constraint, the forcings, the rounds of relief, the output coils |
 //!
@@ -21,6 +22,7 @@ mod conditions;
 mod context;
 mod entries;
 mod filter;
+mod integers;
 mod names;
 mod outputs;
 mod regions;
@@ -37,9 +39,11 @@ pub fn lower(machine: &Machine) -> Project {
     // The passes that follow ask for conditions; so they come first and `Conditions` last, though
     // it runs first.
     let regions = regions::lower(&mut context);
-    let variables = variables::lower(&mut context);
+    let mut variables = variables::lower(&mut context);
+    integers::lower(&mut context);
     let outputs = outputs::lower(&mut context);
     let filter = filter::lower(&mut context);
+    integers::finish(&mut context, &mut variables);
     let conditions = conditions::finish(&mut context);
 
     let mut programs = Vec::new();

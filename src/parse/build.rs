@@ -7,6 +7,7 @@ use super::{Rule, scenarios};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
+use crate::ir::number::{Comparison, Number, Operand, Relation};
 use pest::iterators::Pair;
 
 /// What could not be parsed, kept for the second look.
@@ -103,17 +104,83 @@ fn signal(p: Pair<'_, Rule>) -> Signal {
 }
 
 fn variable(p: Pair<'_, Rule>) -> Variable {
-    let mut variable =
-        Variable { name: Name { text: String::new(), span: span(&p) }, initial: false, description: None };
+    let mut variable = Variable {
+        name: Name { text: String::new(), span: span(&p) },
+        kind: VariableKind::Bool(false),
+        description: None,
+    };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => variable.name = name(p),
-            Rule::constant => variable.initial = p.as_str() == "true",
+            Rule::constant => variable.kind = VariableKind::Bool(p.as_str() == "true"),
+            Rule::range => {
+                let span = span(&p);
+                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| integer(p).0);
+                let mut end = || ends.next().expect("a range has two ends");
+                let (lowest, highest) = (end(), end());
+                variable.kind = VariableKind::Integer { lowest, highest, initial: None, span };
+            }
+            Rule::integer => {
+                if let VariableKind::Integer { initial, .. } = &mut variable.kind {
+                    *initial = Some(integer(p));
+                }
+            }
             Rule::text => variable.description = Some(text(p)),
             _ => {}
         }
     }
     variable
+}
+
+/// An integer and where it stands; what is too large is as large as can be.
+fn integer(p: Pair<'_, Rule>) -> (i64, Span) {
+    let span = span(&p);
+    let (mut negative, mut value) = (false, 0);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::minus => negative = true,
+            _ => value = p.as_str().parse().unwrap_or(i64::MAX),
+        }
+    }
+    (if negative { -value } else { value }, span)
+}
+
+/// An integer expression; recursion is bounded by the nesting limit of parentheses.
+pub fn sum(p: Pair<'_, Rule>) -> Number<Name> {
+    let mut operands: Vec<Operand<Name>> = Vec::new();
+    let (mut negative, mut minus) = (false, false);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::sign => negative = p.as_str() == "-",
+            Rule::minus => minus = true,
+            Rule::factor => {
+                let value = match (factor(p), std::mem::take(&mut minus)) {
+                    (Number::Const(n), true) => Number::Const(-n),
+                    (value, true) if operands.is_empty() => {
+                        negative = true;
+                        value
+                    }
+                    (value, true) => Number::Sum(vec![Operand { negative: true, value }]),
+                    (value, false) => value,
+                };
+                operands.push(Operand { negative: std::mem::take(&mut negative), value });
+            }
+            _ => {}
+        }
+    }
+    match operands.as_slice() {
+        [Operand { negative: false, .. }] => operands.remove(0).value,
+        _ => Number::Sum(operands),
+    }
+}
+
+fn factor(p: Pair<'_, Rule>) -> Number<Name> {
+    let inner = p.into_inner().next().expect("a factor holds something");
+    match inner.as_rule() {
+        Rule::number => Number::Const(inner.as_str().parse().unwrap_or(i64::MAX)),
+        Rule::sum => sum(inner),
+        _ => Number::Value(name(inner)),
+    }
 }
 
 fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
@@ -314,10 +381,19 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
             Rule::expression => guard_ = Some(guard(p)),
             Rule::effect => {
-                let value = p.as_str().starts_with("set");
-                let variable =
-                    p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
-                effects.push(Effect { variable, value });
+                let mut value = EffectValue::Bool(p.as_str().starts_with("set"));
+                let mut variable = None;
+                for p in p.into_inner() {
+                    match p.as_rule() {
+                        Rule::name => variable = Some(name(p)),
+                        Rule::sum => {
+                            let span = span(&p);
+                            value = EffectValue::Integer(sum(p), span);
+                        }
+                        _ => {}
+                    }
+                }
+                effects.push(Effect { variable: variable.expect("an effect names a variable"), value });
             }
             Rule::text => description = Some(text(p)),
             _ => {}
@@ -439,6 +515,18 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
     let place = span(&p);
     let inner = p.into_inner().next().expect("a primary holds something");
     match inner.as_rule() {
+        Rule::comparison => {
+            let (mut sums, mut relation) = (Vec::with_capacity(2), Relation::Equal);
+            for p in inner.into_inner() {
+                match p.as_rule() {
+                    Rule::sum => sums.push(sum(p)),
+                    _ => relation = Relation::ALL.into_iter().find(|r| r.symbol() == p.as_str()).unwrap_or(relation),
+                }
+            }
+            let (right, left) = (sums.pop(), sums.pop());
+            let (left, right) = left.zip(right).expect("a comparison has two sides");
+            Expr::Atom(Term::Compare(Comparison { left, relation, right }, place))
+        }
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),

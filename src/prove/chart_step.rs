@@ -14,8 +14,11 @@
 //! a late scan included.
 
 use super::chart_filter;
+use super::parts::WIDTH;
 use crate::bits::aig::{Aig, Lit};
-use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::bits::vector::{self, Vector};
+use crate::ir::chart::{Atom, Guard, IntegerId, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::number::{Comparison, Number, Range, Relation};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -33,13 +36,16 @@ pub struct ChartState {
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
+    /// For each integer, its value in as many bits as an INT has.
+    pub integers: Vec<Vector>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers.
+    /// All of it in one row: states, variables, inputs, outputs, timers, integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past } = self;
-        [active, variables, inputs, outputs, fresh, past].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, fresh, past, integers } = self;
+        let single = [active, variables, inputs, outputs, fresh, past].into_iter().flatten();
+        single.chain(integers.iter().flatten()).copied().collect()
     }
 }
 
@@ -101,6 +107,7 @@ impl<'m> ChartStep<'m> {
             outputs: vec![Lit::FALSE; m.outputs.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
+            integers: initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let fires = vec![Lit::FALSE; m.transitions.len()];
@@ -122,8 +129,15 @@ impl<'m> ChartStep<'m> {
     /// Which transitions fire.
     fn fires(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], elapsed: &[Lit]) -> Vec<Lit> {
         let m = self.machine;
-        let reading =
-            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
+        let reading = Reading {
+            step: self,
+            active: &before.active,
+            variables: &before.variables,
+            integers: &before.integers,
+            inputs,
+            before,
+            elapsed,
+        };
         let mut fires = vec![Lit::FALSE; m.transitions.len()];
         // For each state, whether it is active and a transition further out takes it away or a
         // transition of its own region leaves it: either way nothing inside it moves.
@@ -195,6 +209,26 @@ impl<'m> ChartStep<'m> {
         (active, entered)
     }
 
+    /// What becomes of integers when these transitions fire, of which none two assign to one integer: the value,
+    /// kept within the range.
+    fn assign(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit]) -> Vec<Vector> {
+        let mut after = before.to_vec();
+        for (id, t) in self.machine.transitions.iter() {
+            for assignment in &t.assignments {
+                let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
+                let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
+                let value = number(aig, &assignment.value, before);
+                let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
+                let kept = vector::select(aig, low, &lowest, &value);
+                let kept = vector::select(aig, high, &highest, &kept);
+                let after = &mut after[assignment.integer.index()];
+                let kept = vector::fit(&kept, after.len());
+                *after = vector::select(aig, fires[id.index()], &kept, after);
+            }
+        }
+        after
+    }
+
     /// Everything after the transitions.
     fn rest(
         &self,
@@ -215,8 +249,18 @@ impl<'m> ChartStep<'m> {
         }
         let variables = write(aig, &before.variables, &writes);
 
+        let integers = self.assign(aig, &before.integers, &fires);
+
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
-        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        let reading = Reading {
+            step: self,
+            active: &active,
+            variables: &variables,
+            integers: &integers,
+            inputs,
+            before,
+            elapsed,
+        };
         for (id, state) in m.states.iter() {
             for action in &state.actions {
                 let condition = reading.guard(aig, &action.condition);
@@ -226,7 +270,15 @@ impl<'m> ChartStep<'m> {
         }
         let variables = write(aig, &variables, &writes);
 
-        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        let reading = Reading {
+            step: self,
+            active: &active,
+            variables: &variables,
+            integers: &integers,
+            inputs,
+            before,
+            elapsed,
+        };
         let mut drives = vec![Vec::new(); m.outputs.len()];
         for (id, state) in m.states.iter() {
             for drive in &state.drives {
@@ -246,8 +298,27 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs: filtered.outputs, fresh, past };
+        let outputs = filtered.outputs;
+        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs, fresh, past, integers };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+    }
+}
+
+/// The integers at power-up.
+pub fn initial(machine: &Machine) -> Vec<Vector> {
+    machine.integers.values().map(|i| vector::fit(&vector::constant(i.initial), usize::from(WIDTH))).collect()
+}
+
+/// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
+/// that rows grow.
+fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
+    match number {
+        Number::Const(n) => vector::constant(*n),
+        Number::Value(i) => integers[i.index()].clone(),
+        Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
+            let value = self::number(aig, &operand.value, integers);
+            if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
+        }),
     }
 }
 
@@ -267,6 +338,7 @@ struct Reading<'a> {
     step: &'a ChartStep<'a>,
     active: &'a [Lit],
     variables: &'a [Lit],
+    integers: &'a [Vector],
     inputs: &'a [Lit],
     before: &'a ChartState,
     elapsed: &'a [Lit],
@@ -284,6 +356,20 @@ impl Reading<'_> {
             Atom::Output(_) => unreachable!("outputs of this scan stand in constraints only"),
             Atom::PrevOutput(o) => self.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Compare(c) => {
+                let Comparison { left, relation, right } = &self.step.machine.comparisons[c];
+                let (left, right) = (number(aig, left, self.integers), number(aig, right, self.integers));
+                let difference = vector::subtract(aig, &left, &right);
+                let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
+                match relation {
+                    Relation::Equal => zero,
+                    Relation::Unequal => !zero,
+                    Relation::Less => negative,
+                    Relation::LessOrEqual => aig.or(negative, zero),
+                    Relation::Greater => !aig.or(negative, zero),
+                    Relation::GreaterOrEqual => !negative,
+                }
+            }
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.elapsed[self.step.timers[&(s, ms)]],
             Atom::Done(s) => {

@@ -18,6 +18,8 @@ pub struct Correspondence {
     pub outputs: Vec<String>,
     /// The global for each variable.
     pub variables: Vec<String>,
+    /// The global for each integer.
+    pub integers: Vec<String>,
     /// The global for each state that is TRUE while it is active.
     pub flags: Vec<String>,
     /// For each state, the program that holds its step, and the step; nothing where no step of its own
@@ -77,6 +79,7 @@ impl Correspondence {
             inputs: machine.inputs.values().map(|i| or_own(Role::Input, i.span, &i.name)).collect(),
             outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
+            integers: machine.integers.values().map(|i| or_own(Role::Variable, i.span, &i.name)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
@@ -98,5 +101,6 @@ fn rank(role: Role) -> u8 {
         Role::Command => 5,
         Role::Filter => 6,
         Role::Alarm => 7,
+        Role::Interim => 8,
     }
 }

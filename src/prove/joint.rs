@@ -6,7 +6,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use super::matching::{Match, Pair};
-use super::parts::Part;
+use super::parts::{Part, WIDTH};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::ir::iec::Time;
 
@@ -99,6 +99,11 @@ impl Joint {
             outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
+            integers: machine
+                .integers
+                .values()
+                .map(|i| (0..WIDTH).map(|bit| aig.leaf(format!("{}.{bit}", i.name))).collect())
+                .collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);
         let latches =

@@ -3,7 +3,10 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, InputId, Machine, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, InputId, IntegerId, Machine, OutputId, StateId, VariableId};
+
+/// How many bits an integer has: those of an INT.
+pub const WIDTH: u8 = 16;
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +19,8 @@ pub enum Part {
     Output(OutputId),
     /// The variable's value.
     Variable(VariableId),
+    /// A bit of the integer's value, counted from the lowest; the highest is the sign.
+    Bit(IntegerId, u8),
     /// Whether an active state drives the output.
     Command(OutputId),
     /// Whether the constraint had to act.
@@ -46,6 +51,7 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => scan.after.active[s.index()],
             Part::Output(o) => scan.after.outputs[o.index()],
             Part::Variable(v) => scan.after.variables[v.index()],
+            Part::Bit(i, bit) => scan.after.integers[i.index()][usize::from(bit)],
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
@@ -60,6 +66,7 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => format!("state {}", machine.state_path(s)),
             Part::Output(o) => format!("output {}", machine.outputs[o].name),
             Part::Variable(v) => format!("variable {}", machine.variables[v].name),
+            Part::Bit(i, bit) => format!("bit {bit} of integer {}", machine.integers[i].name),
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
@@ -74,6 +81,7 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => Some(Meaning::Active(s, true)),
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
+            Part::Bit(i, bit) => Some(Meaning::Bit(i, bit, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
             Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
@@ -94,6 +102,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// That bit of the integer's value.
+    Bit(IntegerId, u8, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -109,6 +119,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Bit(i, bit, same) => state.integers[i.index()][usize::from(bit)].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -122,7 +133,8 @@ impl Meaning {
             | Meaning::Active(..)
             | Meaning::Input(..)
             | Meaning::Output(..)
-            | Meaning::Variable(..) => Lit::TRUE,
+            | Meaning::Variable(..)
+            | Meaning::Bit(..) => Lit::TRUE,
         }
     }
 
@@ -135,6 +147,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Bit(i, bit, same) => Meaning::Bit(i, bit, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -146,7 +159,8 @@ impl Meaning {
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
         let variables = machine.variables.ids().map(|v| Meaning::Variable(v, true));
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
-        inputs.chain(outputs).chain(variables).chain(states).collect()
+        let bits = machine.integers.ids().flat_map(|i| (0..WIDTH).map(move |bit| Meaning::Bit(i, bit, true)));
+        inputs.chain(outputs).chain(variables).chain(states).chain(bits).collect()
     }
 
     /// What it is, in the model's names.
@@ -157,6 +171,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Bit(i, bit, same) => (same, format!("bit {bit} of integer {}", machine.integers[i].name)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

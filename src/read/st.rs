@@ -11,7 +11,7 @@ use super::token::{Token, tokens};
 use crate::base::{Arena, Code};
 use crate::ir::expr::Expr;
 use crate::ir::iec::{
-    Atom, Block, BlockId, BlockKind, Bool, Call, Coil, CoilKind, Relation, Condition, Kind, Number, Statement, VarId,
+    Atom, Block, BlockId, BlockKind, Bool, Call, Coil, CoilKind, Condition, Kind, Number, Relation, Statement, VarId,
 };
 
 /// Deepest expression.

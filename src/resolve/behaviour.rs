@@ -19,6 +19,9 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
         }
         for written in &body.body.actions {
             let condition = condition(r, &written.condition, &context);
+            if r.wants_number(&written.variable) {
+                continue;
+            }
             if let Some(variable) = r.variable(&written.variable) {
                 let action = chart::Action { variable, value: written.value, condition, span: written.variable.span };
                 r.machine.states[state].actions.push(action);

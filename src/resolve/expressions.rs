@@ -43,6 +43,7 @@ impl Resolver {
     pub fn term(&mut self, term: &Term, context: &Context) -> Guard {
         match term {
             Term::Value(path) => self.value(path, context),
+            Term::Compare(comparison, span) => self.compare(comparison, *span, context),
             Term::Prev(path) => self.previous(path, context),
             Term::Rise(path) => self.edge(path, context, true),
             Term::Fall(path) => self.edge(path, context, false),
@@ -135,6 +136,11 @@ impl Resolver {
                 self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
                 Expr::FALSE
             }
+            (Symbol::Integer(_), Context::Plant) => {
+                self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
+                Expr::FALSE
+            }
+            (Symbol::Integer(_), _) => self.neither_nor(path),
             (Symbol::Bit(_), _) => self.hidden(path),
             (Symbol::Output(_), Context::Assumption) => {
                 self.bad_assumption(path.span(), &format!("`{name}` is what the program decides in this scan"));
@@ -159,7 +165,7 @@ impl Resolver {
             (_, Context::Sensor) => self.only_inputs(path, symbol),
             (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
             (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
-            (Symbol::Variable(_), _) => self.no_past(path),
+            (Symbol::Variable(_) | Symbol::Integer(_), _) => self.no_past(path),
             (Symbol::Bit(_), _) => self.hidden(path),
         }
     }
@@ -174,7 +180,7 @@ impl Resolver {
             }
             (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
-            (Symbol::Variable(_), _) => return self.no_past(path),
+            (Symbol::Variable(_) | Symbol::Integer(_), _) => return self.no_past(path),
         };
         let (now, before) = (Expr::Atom(now), Expr::Atom(before));
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
@@ -237,6 +243,17 @@ impl Resolver {
         Expr::FALSE
     }
 
+    fn neither_nor(&mut self, path: &PathRef) -> Guard {
+        let name = &path.parts[0].0;
+        self.misplaced(
+            &format!("`{name}` is an integer, neither TRUE nor FALSE"),
+            path.span(),
+            "a condition is expected here",
+            &format!("compare it: `{name} = 1`"),
+        );
+        Expr::FALSE
+    }
+
     fn hidden(&mut self, path: &PathRef) -> Guard {
         let name = &path.parts[0].0;
         self.misplaced(
@@ -248,7 +265,7 @@ impl Resolver {
         Expr::FALSE
     }
 
-    fn plant_reads(&mut self, span: Span, message: &str) {
+    pub fn plant_reads(&mut self, span: Span, message: &str) {
         self.diagnostics.push(
             Diagnostic::new(Code::PlantReads, message)
                 .label(span, "a plant sees what stands at the terminals")
@@ -267,7 +284,7 @@ impl Resolver {
         Expr::FALSE
     }
 
-    fn misplaced(&mut self, message: &str, span: Span, label: &str, help: &str) {
+    pub fn misplaced(&mut self, message: &str, span: Span, label: &str, help: &str) {
         self.diagnostics.push(Diagnostic::new(Code::WrongKind, message).label(span, label).help(help));
     }
 

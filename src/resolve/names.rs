@@ -13,6 +13,7 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Integer(chart::IntegerId),
     Bit(BitId),
 }
 
@@ -353,6 +354,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Integer(_) => "an integer",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

@@ -29,6 +29,7 @@ impl Resolver {
             }
             Term::Alarm(path) if matches!(context, Context::Expectation) => self.alarm(path),
             Term::Value(_)
+            | Term::Compare(..)
             | Term::Prev(_)
             | Term::Rise(_)
             | Term::Fall(_)

@@ -51,7 +51,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
     };
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
-        let (guard, effects) = details(r, body, written, source);
+        let details = details(r, body, written, source);
         if i > 0 {
             // What is wrong with the text has been said for the first source.
             r.diagnostics = before;
@@ -65,7 +65,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
             return;
         };
         jump(r, written.span, source, target);
-        into.push(transition(written, source, target, scope, guard, effects));
+        into.push(transition(written, source, target, scope, details));
     }
 }
 
@@ -95,16 +95,17 @@ fn movement(
     let ast::Source::State(path) = &written.source else { unreachable!("a movement starts in one state") };
     let (source, target) = (find(r, body, path), find(r, body, &written.target));
     if let Some(source) = source {
-        let (guard, effects) = details(r, body, written, source);
+        let details = details(r, body, written, source);
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, body.region, guard, effects));
+            into.push(transition(written, source, state, body.region, details));
             into.push(chart::Transition {
                 source: state,
                 target,
                 scope: body.region,
                 guard: sensor,
                 effects: Vec::new(),
+                assignments: Vec::new(),
                 priority: None,
                 description: String::new(),
                 span: written.span,
@@ -190,35 +191,59 @@ fn find(r: &mut Resolver, body: &ResolvedBody<'_>, path: &ast::Path) -> Option<c
     r.state(&parts, Some(body.region))
 }
 
+/// What a transition asks and does.
+struct Details {
+    guard: Guard,
+    effects: Vec<chart::Effect>,
+    assignments: Vec<chart::Assignment>,
+}
+
 /// Guard and effects; without `when`, a composite source waits for `done`.
-fn details(
-    r: &mut Resolver,
-    body: &ResolvedBody<'_>,
-    written: &ast::Transition,
-    source: chart::StateId,
-) -> (Guard, Vec<chart::Effect>) {
+fn details(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, source: chart::StateId) -> Details {
     let guard = match &written.guard {
         Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
-    let mut effects: Vec<chart::Effect> = Vec::new();
+    let mut all = Details { guard, effects: Vec::new(), assignments: Vec::new() };
     for effect in &written.effects {
-        let Some(variable) = r.variable(&effect.variable) else { continue };
-        match effects.iter().find(|e| e.variable == variable) {
-            None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
-            Some(first) if first.value == effect.value => {}
-            Some(first) => r.diagnostics.push(
-                Diagnostic::new(
-                    Code::SetAndReset,
-                    format!("this transition sets and resets `{}`", effect.variable.text),
-                )
-                .label(effect.variable.span, "and here the other")
-                .label(first.span, "here the one"),
-            ),
+        match &effect.value {
+            ast::EffectValue::Bool(value) => set(r, effect, *value, &mut all.effects),
+            ast::EffectValue::Integer(value, span) => {
+                let Some(assignment) = r.assignment(&effect.variable, value, *span) else { continue };
+                match all.assignments.iter().find(|a| a.integer == assignment.integer) {
+                    None => all.assignments.push(assignment),
+                    Some(first) => r.diagnostics.push(
+                        Diagnostic::new(
+                            Code::SetAndReset,
+                            format!("this transition assigns to `{}` twice", effect.variable.text),
+                        )
+                        .label(assignment.span, "and here the other value")
+                        .label(first.span, "here the one"),
+                    ),
+                }
+            }
         }
     }
-    (guard, effects)
+    all
+}
+
+/// `set V` or `reset V`.
+fn set(r: &mut Resolver, written: &ast::Effect, value: bool, effects: &mut Vec<chart::Effect>) {
+    let name = &written.variable;
+    if r.wants_number(name) {
+        return;
+    }
+    let Some(variable) = r.variable(name) else { return };
+    match effects.iter().find(|e| e.variable == variable) {
+        None => effects.push(chart::Effect { variable, value, span: name.span }),
+        Some(first) if first.value == value => {}
+        Some(first) => r.diagnostics.push(
+            Diagnostic::new(Code::SetAndReset, format!("this transition sets and resets `{}`", name.text))
+                .label(name.span, "and here the other")
+                .label(first.span, "here the one"),
+        ),
+    }
 }
 
 fn transition(
@@ -226,8 +251,7 @@ fn transition(
     source: chart::StateId,
     target: chart::StateId,
     scope: chart::RegionId,
-    guard: Guard,
-    effects: Vec<chart::Effect>,
+    Details { guard, effects, assignments }: Details,
 ) -> chart::Transition {
     chart::Transition {
         source,
@@ -235,6 +259,7 @@ fn transition(
         scope,
         guard,
         effects,
+        assignments,
         priority: written.priority.map(|(n, _)| n),
         description: describe(&written.description),
         span: written.span,

@@ -1,6 +1,7 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, OutputId, StateId, StateKind, VariableId};
+use crate::ir::chart::{Atom, ConstraintId, InputId, IntegerId, Machine, OutputId, StateId, StateKind, VariableId};
+use crate::ir::number::{Number, Relation};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
 
@@ -13,12 +14,17 @@ pub struct Layout {
     states: usize,
     acted: usize,
     broken: usize,
+    integers: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
-/// alarms of constraints, alarms of assumptions.
+/// alarms of constraints, alarms of assumptions, and each integer as the [`WIDTH`] bits of its two's
+/// complement, the lowest first.
 pub type Frame = Vec<bool>;
+
+/// How many places an integer takes: those of an INT.
+pub const WIDTH: usize = 16;
 
 impl Layout {
     /// The layout for `machine`.
@@ -29,8 +35,9 @@ impl Layout {
         let states = variables + machine.variables.len();
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
-        let len = broken + machine.safety.assumptions.len();
-        Layout { bits, outputs, variables, states, acted, broken, len }
+        let integers = broken + machine.safety.assumptions.len();
+        let len = integers + machine.integers.len() * WIDTH;
+        Layout { bits, outputs, variables, states, acted, broken, integers, len }
     }
 
     /// A frame with all values FALSE.
@@ -65,7 +72,7 @@ impl Layout {
 
     /// The places of alarms, of constraints and then of assumptions.
     pub fn alarms(&self) -> Range<usize> {
-        self.acted..self.len
+        self.acted..self.integers
     }
 
     /// The place of an input.
@@ -111,6 +118,32 @@ impl Layout {
         self.broken + assumption
     }
 
+    /// The value of an integer in a frame.
+    pub fn integer(&self, integer: IntegerId, frame: &[bool]) -> i64 {
+        let bits = &frame[self.place_of(integer)];
+        // The highest bit says how often the range of all bits is to be taken away.
+        bits.iter()
+            .enumerate()
+            .fold(0, |n, (i, &bit)| n + i64::from(bit) * if i + 1 == WIDTH { -1 << i } else { 1 << i })
+    }
+
+    /// Writes the value of an integer into a frame.
+    pub fn put_integer(&self, integer: IntegerId, value: i64, frame: &mut [bool]) {
+        for (i, bit) in frame[self.place_of(integer)].iter_mut().enumerate() {
+            *bit = value >> i & 1 == 1;
+        }
+    }
+
+    fn place_of(&self, integer: IntegerId) -> Range<usize> {
+        let first = self.integers + integer.index() * WIDTH;
+        first..first + WIDTH
+    }
+
+    /// The places of integers.
+    pub fn integers(&self) -> Range<usize> {
+        self.integers..self.len
+    }
+
     /// What a condition reads, in a frame and the one before.
     pub fn value(&self, machine: &Machine, seen: Seen, now: &[bool], before: &[bool]) -> bool {
         match seen {
@@ -119,6 +152,18 @@ impl Layout {
             Seen::Machine(Atom::Output(o)) => now[self.output(o)],
             Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
             Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
+            Seen::Machine(Atom::Compare(c)) => {
+                let comparison = &machine.comparisons[c];
+                let (left, right) = (self.number(&comparison.left, now), self.number(&comparison.right, now));
+                match comparison.relation {
+                    Relation::Equal => left == right,
+                    Relation::Unequal => left != right,
+                    Relation::Less => left < right,
+                    Relation::LessOrEqual => left <= right,
+                    Relation::Greater => left > right,
+                    Relation::GreaterOrEqual => left >= right,
+                }
+            }
             Seen::Machine(Atom::In(s)) => now[self.state(s)],
             Seen::Machine(Atom::Done(s)) => machine.states[s].regions.iter().all(|&r| {
                 let mut states = machine.regions[r].states.iter();
@@ -130,6 +175,17 @@ impl Layout {
             Seen::PrevBit(b) => before[self.bit(b)],
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],
+        }
+    }
+
+    fn number(&self, number: &Number<IntegerId>, frame: &[bool]) -> i64 {
+        match number {
+            Number::Const(n) => *n,
+            Number::Value(i) => self.integer(*i, frame),
+            Number::Sum(operands) => operands.iter().fold(0, |sum, o| {
+                let value = self.number(&o.value, frame);
+                if o.negative { sum - value } else { sum + value }
+            }),
         }
     }
 

@@ -61,6 +61,7 @@ impl<'a> Simulated<'a> {
             Part::Flag(s) | Part::Step(s) => self.chart.is_active(s),
             Part::Output(o) => self.chart.output(o),
             Part::Variable(v) => self.chart.variable(v),
+            Part::Bit(i, bit) => self.chart.integer(i) >> bit & 1 == 1,
             Part::Command(o) => self.chart.command(o),
             Part::Acted(c) => self.chart.acted(c),
             Part::Broken(a) => self.chart.broken(a),
@@ -86,6 +87,10 @@ impl<'a> Simulated<'a> {
             Part::Acted(c) => self.names.acted[c.index()].as_ref(),
             Part::Broken(a) => self.names.broken[a].as_ref(),
             Part::Input(i) => Some(&self.names.inputs[i.index()]),
+            Part::Bit(i, bit) => {
+                let id = self.program.global(&self.names.integers[i.index()])?;
+                return Some(self.plc.read(id) >> bit & 1 == 1);
+            }
             Part::Begins(_) => None,
         };
         Some(self.plc.read(self.program.global(name?)?) == 1)

@@ -5,7 +5,7 @@
 //! before.
 
 use crate::ir::expr::Expr;
-use crate::ir::iec::{Atom, BlockId, Bool, Relation, Condition, Kind, Number, Project, StepId, VarId};
+use crate::ir::iec::{Atom, BlockId, Bool, Condition, Kind, Number, Project, Relation, StepId, VarId};
 
 /// Where something of type BOOL stands.
 pub type Bit = u32;
@@ -305,9 +305,7 @@ impl Compiler {
             Number::Negative(n) => Value::Negative(Box::new(self.number(n))),
             Number::Sum(l, r) => Value::Sum(Box::new(self.number(l)), Box::new(self.number(r))),
             Number::Difference(l, r) => Value::Difference(Box::new(self.number(l)), Box::new(self.number(r))),
-            Number::Limit { lowest, value, highest } => {
-                Value::Limit(*lowest, Box::new(self.number(value)), *highest)
-            }
+            Number::Limit { lowest, value, highest } => Value::Limit(*lowest, Box::new(self.number(value)), *highest),
             Number::Select { by, no, yes } => {
                 Value::Select(self.variable_bit(*by), Box::new(self.number(no)), Box::new(self.number(yes)))
             }

@@ -4,9 +4,9 @@ use super::Plc;
 use crate::base::Id;
 use crate::ir::expr::Expr;
 use crate::ir::iec::{
-    Action, Association, Atom, Block, BlockId, BlockKind, Body, Bool, Call, Coil, CoilKind, Relation, Condition,
-    Kind, Number, Program, Project, Qualifier, Scope, Sfc, Statement, Step, StepId, Target, Task, Time, Transition,
-    VarId, Variable,
+    Action, Association, Atom, Block, BlockId, BlockKind, Body, Bool, Call, Coil, CoilKind, Condition, Kind, Number,
+    Program, Project, Qualifier, Relation, Scope, Sfc, Statement, Step, StepId, Target, Task, Time, Transition, VarId,
+    Variable,
 };
 
 /// A project with the BOOL variables `a`, `b`, `c` and so on.

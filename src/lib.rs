@@ -28,6 +28,7 @@ pub mod base;
 pub mod bits;
 pub mod check;
 pub mod cli;
+pub mod constraints;
 pub mod emit;
 pub mod ir;
 pub mod layout;

@@ -1,9 +1,11 @@
 //! The tests that use only the public interface, in one binary.
 
 mod cli;
+mod constraints;
 mod docs;
 mod emit;
 mod explain;
+mod indexa_by_chance;
 mod invalid;
 mod layers;
 mod layout;

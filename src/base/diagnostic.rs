@@ -188,9 +188,10 @@ codes! {
     NeverFires "E308" "a transition can never fire",
     TooManyStates "E309" "a region has more states or transitions than one SFC may have",
     ParallelWrites "E310" "parallel regions may write one variable in the same scan",
-    SetAndReset "E311" "one transition sets and resets a variable",
+    SetAndReset "E311" "one transition, entry or exit sets and resets a variable",
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
+    IdleInternal "E330" "an internal transition does nothing",
 
     BadRange "E340" "the range of an integer, or its initial value, does not fit",
     WrongAssignment "E341" "a variable is written in a way that its type does not allow",

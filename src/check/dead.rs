@@ -35,7 +35,12 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
             return Some(Dead::NeverEnabled);
         }
         let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
-        rivals.find(|&o| key(o) < key(id)).map(Dead::Beaten)
+        // One that leaves nothing beats those of its own scope only.
+        let beats = |o: TransitionId| {
+            let other = &machine.transitions[o];
+            key(o) < key(id) && (!other.internal || other.scope == t.scope)
+        };
+        rivals.find(|&o| beats(o)).map(Dead::Beaten)
     };
     machine.transitions.iter().map(judge).collect()
 }

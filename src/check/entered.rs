@@ -8,7 +8,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut leaving = vec![Vec::new(); machine.states.len()];
     // A transition that can never fire enters nothing, and no step of a program would lead there.
     for ((id, t), dead) in machine.transitions.iter().zip(dead(machine)) {
-        if dead.is_none() {
+        if dead.is_none() && !t.internal {
             leaving[t.source.index()].push(id);
         }
     }

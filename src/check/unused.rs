@@ -1,7 +1,7 @@
 //! What is declared is used.
 
 use crate::base::{Code, Diagnostic, Diagnostics};
-use crate::ir::chart::{Atom, Guard, Machine};
+use crate::ir::chart::{Atom, Deeds, Guard, Machine};
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
@@ -17,10 +17,12 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
+    let mut write = |deeds: &Deeds| deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
     for t in machine.transitions.values() {
         look(&t.guard);
-        t.effects.iter().for_each(|e| written[e.variable.index()] = true);
+        write(&t.deeds);
     }
+    machine.states.values().flat_map(|s| [&s.entry, &s.exit]).for_each(write);
     for state in machine.states.values() {
         for d in &state.drives {
             look(&d.condition);
@@ -74,7 +76,9 @@ fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
         comparison.left.for_each_value(&mut |i| read[i.index()] = true);
         comparison.right.for_each_value(&mut |i| read[i.index()] = true);
     }
-    for assignment in machine.transitions.values().flat_map(|t| &t.assignments) {
+    let states = machine.states.values().flat_map(|s| [&s.entry, &s.exit]);
+    let deeds = machine.transitions.values().map(|t| &t.deeds).chain(states);
+    for assignment in deeds.flat_map(|d| &d.assignments) {
         written[assignment.integer.index()] = true;
         // What only keeps itself up is of no use to anything else.
         assignment.value.for_each_value(&mut |i| read[i.index()] |= *i != assignment.integer);

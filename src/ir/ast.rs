@@ -231,8 +231,22 @@ pub struct Body {
     pub drives: Vec<Drive>,
     /// `sets …` and `resets …`.
     pub actions: Vec<Action>,
+    /// What stands behind `entry`, all of them in order.
+    pub entry: Vec<Effect>,
+    /// What stands behind `exit`, all of them in order.
+    pub exit: Vec<Effect>,
+    /// `internal …`.
+    pub internals: Vec<Internal>,
     /// The braces and what is between them.
     pub span: Span,
+}
+
+impl Body {
+    /// Whether it says what a state does, apart from what the state holds.
+    pub fn does_something(&self) -> bool {
+        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
+    }
 }
 
 /// `initial final parallel state NAME at POSITION controls ACTUATOR "…" { … }`.
@@ -306,6 +320,21 @@ pub struct Movement {
     pub span: Span,
     /// `as NAME`.
     pub name: Option<Name>,
+}
+
+/// `internal priority 1 when G then set V "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Internal {
+    /// `priority N`.
+    pub priority: Option<(u32, Span)>,
+    /// `when …`.
+    pub guard: Guard,
+    /// `then …`.
+    pub effects: Vec<Effect>,
+    /// Why it is there.
+    pub description: Option<Text>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// `set V`, `reset V` or `set N := …`.

@@ -15,16 +15,21 @@
 //! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
 //!    the way down to it every parallel sibling, and below it every region, enters its initial
 //!    state. Source and target may lie in the same state of the scope: it is left and entered again.
-//! 4. Effects of the fired transitions happen, their [`Assignment`]s to integers included: an integer
-//!    becomes the value, or the bound of its range that the value is beyond, and the value is that of
-//!    the integers from before the step. Then [`Action`]s of the states that are active now:
-//!    first all that set, then all that reset. Their conditions read states as they are now and
-//!    variables as the transitions left them.
-//! 5. The command of an output is the OR of the [`Drive`]s of the states that are active now;
+//!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
+//!    enters nothing, and what is inside its source takes its step as if nothing had fired.
+//! 4. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
+//!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
+//!    of the states that are entered, from the outside in. Of several that write one variable the last one
+//!    wins; [`check`](crate::check) sees to it that there is a last one. Among them are [`Assignment`]s: an
+//!    integer becomes the value, or the bound of its range that the value is beyond, and the value is that
+//!    of the integers from before the step.
+//! 5. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
+//!    Their conditions read states as they are now and variables as 4 left them.
+//! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
 //!    conditions read states and variables as they are now.
-//! 6. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
+//! 7. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
 //!
-//! The first scan enters the initial states and takes no transition.
+//! The first scan enters the initial states, their entries included, and takes no transition.
 
 use super::expr::Expr;
 use super::number::{Comparison, Number, Range};
@@ -256,6 +261,10 @@ pub struct State {
     pub drives: Vec<Drive>,
     /// The variables that it sets and resets while it is active.
     pub actions: Vec<Action>,
+    /// What happens when it is entered.
+    pub entry: Deeds,
+    /// What happens when it is left.
+    pub exit: Deeds,
     /// How many states contain it.
     pub depth: u32,
     /// Where it is declared.
@@ -305,6 +314,22 @@ pub struct Action {
     pub span: Span,
 }
 
+/// What happens once: when a transition fires, when a state is entered or left.
+#[derive(Clone, Debug, Default)]
+pub struct Deeds {
+    /// What becomes of variables; no variable twice.
+    pub effects: Vec<Effect>,
+    /// What becomes of integers; no integer twice.
+    pub assignments: Vec<Assignment>,
+}
+
+impl Deeds {
+    /// Whether nothing happens.
+    pub fn is_empty(&self) -> bool {
+        self.effects.is_empty() && self.assignments.is_empty()
+    }
+}
+
 /// A variable that becomes `value` once, when what it belongs to happens.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
@@ -333,16 +358,16 @@ pub struct Assignment {
 pub struct Transition {
     /// The state that must be active.
     pub source: StateId,
-    /// The state that it leads to.
+    /// The state that it leads to; of an internal transition the source.
     pub target: StateId,
+    /// Whether it happens inside its source: it leaves and enters nothing.
+    pub internal: bool,
     /// The innermost region that contains both.
     pub scope: RegionId,
     /// Read from before the step.
     pub guard: Guard,
-    /// What becomes of variables when it fires; no variable twice.
-    pub effects: Vec<Effect>,
-    /// What becomes of integers when it fires; no integer twice.
-    pub assignments: Vec<Assignment>,
+    /// What happens when it fires.
+    pub deeds: Deeds,
     /// Explicit priority: lower fires first, and before transitions without one.
     pub priority: Option<u32>,
     /// Why it is there.

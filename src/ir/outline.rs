@@ -188,24 +188,23 @@ impl Writer<'_> {
                 let variable = &m.variables[a.variable].name;
                 writeln!(self.out, "{:1$}{verb} {variable} when {2}", "", depth * 2 + 2, self.guard(&a.condition))?;
             }
+            for (word, deeds) in [("entry", &state.entry), ("exit", &state.exit)] {
+                if !deeds.is_empty() {
+                    writeln!(self.out, "{:1$}{word} {2}", "", depth * 2 + 2, self.deeds(deeds))?;
+                }
+            }
             for &r in &state.regions {
                 self.region(r, depth + 1)?;
             }
         }
         for (rank, &t) in self.scoped[id.index()].iter().enumerate() {
             let t = &m.transitions[t];
-            let mut effects: Vec<String> = t
-                .effects
-                .iter()
-                .map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, m.variables[e.variable].name))
-                .collect();
-            let value = |a: &Assignment| format!("{} := {}", m.integers[a.integer].name, m.number(&a.value));
-            effects.extend(t.assignments.iter().map(value));
-            let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
-            let (source, target) = (m.state_path(t.source), m.state_path(t.target));
+            let then = if t.deeds.is_empty() { String::new() } else { format!(" then {}", self.deeds(&t.deeds)) };
+            let source = m.state_path(t.source);
+            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.state_path(t.target)) };
             writeln!(
                 self.out,
-                "{:1$}{2}. {source} -> {target} when {3}{effects}",
+                "{:1$}{2}. {source} {leads} when {3}{then}",
                 "",
                 depth * 2,
                 rank + 1,
@@ -213,6 +212,14 @@ impl Writer<'_> {
             )?;
         }
         Ok(())
+    }
+
+    fn deeds(&self, deeds: &Deeds) -> String {
+        let name = |e: &Effect| &self.machine.variables[e.variable].name;
+        let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, name(e));
+        let integer = |a: &Assignment| &self.machine.integers[a.integer].name;
+        let value = |a: &Assignment| format!("{} := {}", integer(a), self.machine.number(&a.value));
+        deeds.effects.iter().map(one).chain(deeds.assignments.iter().map(value)).collect::<Vec<_>>().join(", ")
     }
 
     fn guard(&self, guard: &Guard) -> String {

@@ -165,6 +165,15 @@ impl Writer {
             let verb = if action.value { "sets" } else { "resets" };
             self.line(format_args!("{verb} {}{}", action.variable.text, when(&action.condition)))?;
         }
+        for (word, list) in [("entry", &body.entry), ("exit", &body.exit)] {
+            if !list.is_empty() {
+                self.line(format_args!("{word} {}", effects(list)))?;
+            }
+        }
+        for t in &body.internals {
+            let (when, then) = (condition(&t.guard), then(&t.effects));
+            self.line(format_args!("internal{} when {when}{then}{}", priority(t.priority), text(&t.description)))?;
+        }
         for region in &body.regions {
             let head = format!(
                 "region {}{}{}",
@@ -205,20 +214,12 @@ impl Writer {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
             None => ("from", String::new()),
         };
-        let priority = t.priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default();
-        let effects: Vec<String> = t
-            .effects
-            .iter()
-            .map(|e| match &e.value {
-                EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
-                EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
-            })
-            .collect();
-        let effects = if effects.is_empty() { String::new() } else { format!(" then {}", effects.join(", ")) };
         self.line(format_args!(
-            "{verb} {source} to {}{name}{priority}{}{effects}{}",
+            "{verb} {source} to {}{name}{}{}{}{}",
             words(&t.target),
+            priority(t.priority),
             when(&t.guard),
+            then(&t.effects),
             text(&t.description)
         ))
     }
@@ -235,6 +236,22 @@ impl Writer {
             })
         })
     }
+}
+
+fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
+    priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default()
+}
+
+fn effects(effects: &[Effect]) -> String {
+    let one = |e: &Effect| match &e.value {
+        EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
+        EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
+    };
+    effects.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn then(list: &[Effect]) -> String {
+    if list.is_empty() { String::new() } else { format!(" then {}", effects(list)) }
 }
 
 fn clause(word: &str, name: Option<&Name>) -> String {

@@ -119,9 +119,19 @@ impl Context<'_> {
         let mut reasons = Vec::new();
         if let Some(parent) = parent {
             let outer = self.machine.states[parent].region;
-            reasons.extend(self.overruled(outer));
-            for t in self.leaving(outer, parent) {
-                reasons.push(self.enabled(t));
+            reasons.extend(self.overruled(outer).map(Expr::Atom));
+            let mut left = Expr::FALSE;
+            for t in self.leaving(outer, parent).into_iter().rev() {
+                let enabled = Expr::Atom(self.enabled(t));
+                // One that leaves nothing keeps those behind it from leaving.
+                left = if self.machine.transitions[t].internal {
+                    Expr::all([enabled.not(), left])
+                } else {
+                    Expr::any([enabled, left])
+                };
+            }
+            if left != Expr::FALSE {
+                reasons.push(left);
             }
         }
         let id = (!reasons.is_empty()).then(|| {
@@ -134,7 +144,7 @@ impl Context<'_> {
                 text.clone(),
                 origin(format!("region {path}"), self.machine.regions[region].span),
             );
-            let condition = Expr::any(reasons.into_iter().map(Expr::Atom));
+            let condition = Expr::any(reasons);
             let mut rungs = std::mem::take(&mut self.conditions.ranking);
             rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
             self.conditions.ranking = rungs;
@@ -226,14 +236,36 @@ impl Context<'_> {
         id
     }
 
+    /// Whether the state is left and entered again in this scan; nothing if it never is.
+    pub fn again(&mut self, state: StateId) -> Option<GlobalId> {
+        if let Some(&id) = self.conditions.again.get(&state) {
+            return Some(id);
+        }
+        let by = self.entries.reentering(state).to_vec();
+        if by.is_empty() {
+            return None;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state("Again", state);
+        let text = format!("{path} is left and entered again");
+        let place = origin(format!("state {path}"), self.machine.states[state].span);
+        let id = self.global(name, Role::Condition, text.clone(), place);
+        self.conditions.again.insert(state, id);
+        let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(self.fires(t))).collect();
+        let mut rungs = std::mem::take(&mut self.conditions.entering);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
+        self.conditions.entering = rungs;
+        Some(id)
+    }
+
     /// Whether the order of the transitions that leave a step is decided by coils.
     pub fn is_chained(&self, rivals: &[TransitionId]) -> bool {
         rivals.len() > CHAINED
     }
 
     fn about(&mut self, word: &str, transition: TransitionId) -> (String, String, crate::base::Span) {
+        let what = self.about_transition(transition);
         let t = &self.machine.transitions[transition];
-        let what = format!("transition {} -> {}", self.machine.state_path(t.source), self.machine.state_path(t.target));
         (self.names.transition(word, transition), what, t.span)
     }
 }
@@ -257,20 +289,9 @@ pub fn finish(context: &mut Context<'_>) -> Ladder {
 fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
     let mut rungs = Vec::new();
     for ((state, ms), (_, instance)) in context.conditions.elapsed.clone() {
-        let by = context.entries.reentering(state).to_vec();
-        if by.is_empty() {
-            continue;
-        }
+        let Some(again) = context.again(state) else { continue };
         let path = context.machine.state_path(state);
         let place = origin(format!("after({path}, {ms}ms)"), context.machine.states[state].span);
-        let again = {
-            let name = context.names.state(&format!("Again{ms}ms"), state);
-            let text = format!("{path} is left and entered again");
-            let id = context.global(name, Role::Condition, text.clone(), place.clone());
-            let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(context.fires(t))).collect();
-            rung(context, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
-            id
-        };
         let name = context.names.state(&format!("Still{ms}ms"), state);
         let text = format!("{path} has been active for {ms} ms and is not entered again");
         let coil = context.global(name, Role::Condition, text.clone(), place);

@@ -46,6 +46,7 @@ pub struct Conditions {
     pub fires: BTreeMap<TransitionId, GlobalId>,
     pub before: BTreeMap<TransitionId, GlobalId>,
     pub entered: BTreeMap<StateId, GlobalId>,
+    pub again: BTreeMap<StateId, GlobalId>,
     pub latches: Vec<Rung>,
     pub timing: Vec<Rung>,
     pub enabling: Vec<Rung>,
@@ -164,6 +165,17 @@ impl<'m> Context<'m> {
                 unreachable!("{atom:?} depends on where it is read")
             }
         })
+    }
+
+    /// A transition in words.
+    pub fn about_transition(&self, transition: TransitionId) -> String {
+        let t = &self.machine.transitions[transition];
+        let source = self.machine.state_path(t.source);
+        if t.internal {
+            format!("internal transition of {source}")
+        } else {
+            format!("transition {source} -> {}", self.machine.state_path(t.target))
+        }
     }
 
     /// Whether every region of the state is in a final state, by the flags as they are.

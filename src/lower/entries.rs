@@ -32,7 +32,7 @@ impl Entries {
             told: vec![false; machine.transitions.len()],
             again: BTreeMap::new(),
         };
-        for (id, t) in machine.transitions.iter() {
+        for (id, t) in machine.transitions.iter().filter(|(_, t)| !t.internal) {
             let reenters = machine.child_in(t.scope, t.source) == machine.child_in(t.scope, t.target);
             let mut path: Vec<StateId> =
                 machine.ancestors(t.target).take_while(|&s| machine.states[s].region != t.scope).collect();

@@ -5,11 +5,12 @@
 //!
 //! Assignments come in two halves. First each value is computed into a variable of its own: from left
 //! to right, one ADD or SUB for each operand, then LIMIT where the value may lie beyond the range. Then
-//! for each integer, by SEL, the value of the transition that fires. So all values are those from
+//! for each integer, by SEL, the value that belongs to what has happened, the last one last. So all values are those from
 //! before the step, whatever is assigned to whatever. What is written in no scan needs no half.
 
 use super::context::{Context, origin};
-use crate::ir::chart::{Assignment, ComparisonId, IntegerId, Machine, TransitionId};
+use super::rungs::rung;
+use crate::ir::chart::{Assignment, ComparisonId, Deeds, IntegerId, Machine, StateId, TransitionId};
 use crate::ir::ladder::{CoilKind, Function, Ladder, Operand, Operator, Rung};
 use crate::ir::number::{Comparison, Number, Range, Relation};
 use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
@@ -164,37 +165,94 @@ pub fn finish(context: &mut Context<'_>, variables: &mut Ladder) {
 
 /// All assignments; called before `Conditions` is complete, since they ask who fires.
 pub fn lower(context: &mut Context<'_>) {
-    let machine = context.machine;
-    let written: Vec<bool> = {
-        let mut written = vec![false; machine.integers.len()];
-        let all = machine.transitions.values().flat_map(|t| &t.assignments);
-        all.for_each(|a| written[a.integer.index()] = true);
-        written
-    };
+    let happenings = happenings(context.machine);
+    let mut written = vec![false; context.machine.integers.len()];
+    let all = happenings.iter().flat_map(|h| &h.deeds.assignments);
+    all.for_each(|a| written[a.integer.index()] = true);
     let (mut values, mut choices) = (Vec::new(), Vec::new());
-    for (id, t) in machine.transitions.iter() {
-        for assignment in &t.assignments {
+    for happening in happenings {
+        let happens = happening.happens(context, &mut values);
+        for assignment in &happening.deeds.assignments {
             let target = context.integers.globals[assignment.integer.index()];
-            let fires = context.fires(id);
-            let value = value(context, &mut values, assignment, &written, id);
-            let name = &machine.integers[assignment.integer].name;
-            let text = format!("{name} := {} if the transition fires", machine.number(&assignment.value));
-            let operands = vec![Operand::Global(fires), Operand::Global(target), value];
-            context.function(&mut choices, Operator::Select, operands, target, text);
+            let value = value(context, &mut values, assignment, &written, &happening);
+            let integer = &context.machine.integers[assignment.integer].name;
+            let comment = format!("{}: {integer} := {}", happening.what, context.machine.number(&assignment.value));
+            let operands = vec![Operand::Global(happens), Operand::Global(target), value];
+            context.function(&mut choices, Operator::Select, operands, target, comment);
         }
     }
     values.append(&mut choices);
     context.integers.assigning = values;
 }
 
-/// What an integer takes if the transition fires: the value between the bounds, as it was before the
-/// step. `written` says which integers something is assigned to.
+/// Something that happens once and assigns to integers.
+struct Happening<'m> {
+    cause: Cause,
+    deeds: &'m Deeds,
+    /// In words.
+    what: String,
+}
+
+/// What happens, in the order in which it does: states are left, those further in first, then transitions
+/// fire, those further out first, then states are entered, those further out first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Cause {
+    Left(std::cmp::Reverse<u32>, StateId),
+    Fires(u32, TransitionId),
+    Entered(u32, StateId),
+}
+
+fn happenings(machine: &Machine) -> Vec<Happening<'_>> {
+    let mut all = Vec::new();
+    for (id, state) in machine.states.iter() {
+        let path = machine.state_path(id);
+        let (left, entered) = (format!("when {path} is left"), format!("when {path} is entered"));
+        all.push(Happening { cause: Cause::Left(std::cmp::Reverse(state.depth), id), deeds: &state.exit, what: left });
+        all.push(Happening { cause: Cause::Entered(state.depth, id), deeds: &state.entry, what: entered });
+    }
+    for (id, t) in machine.transitions.iter() {
+        let depth = machine.regions[t.scope].parent.map_or(0, |p| machine.states[p].depth + 1);
+        let what = format!("when a transition from {} fires", machine.state_path(t.source));
+        all.push(Happening { cause: Cause::Fires(depth, id), deeds: &t.deeds, what });
+    }
+    all.retain(|happening| !happening.deeds.assignments.is_empty());
+    all.sort_by_key(|happening| happening.cause);
+    all
+}
+
+impl Happening<'_> {
+    /// The coil that is TRUE when it happens.
+    fn happens(&self, context: &mut Context<'_>, rungs: &mut Vec<Rung>) -> GlobalId {
+        let (word, state, condition) = match self.cause {
+            Cause::Fires(_, transition) => return context.fires(transition),
+            Cause::Left(_, state) => ("Left", state, context.left(state)),
+            Cause::Entered(_, state) => ("Come", state, context.entered_now(state)),
+        };
+        let name = context.names.state(word, state);
+        let place = origin(format!("state {}", context.machine.state_path(state)), context.machine.states[state].span);
+        let id = context.global(name, Role::Condition, self.what.clone(), place);
+        rung(context, rungs, (id, CoilKind::Plain), &condition, self.what.clone());
+        id
+    }
+
+    /// A new name for something about it.
+    fn name(&self, context: &mut Context<'_>, word: &str) -> String {
+        match self.cause {
+            Cause::Fires(_, transition) => context.names.transition(word, transition),
+            Cause::Left(_, state) => context.names.state(&format!("{word}_left"), state),
+            Cause::Entered(_, state) => context.names.state(&format!("{word}_come"), state),
+        }
+    }
+}
+
+/// What an integer takes: the value between the bounds, as it was before the step. `written` says which
+/// integers something is assigned to.
 fn value(
     context: &mut Context<'_>,
     rungs: &mut Vec<Rung>,
     assignment: &Assignment,
     written: &[bool],
-    transition: TransitionId,
+    happening: &Happening<'_>,
 ) -> Operand {
     let machine = context.machine;
     let (integer, number) = (&machine.integers[assignment.integer], &assignment.value);
@@ -208,7 +266,7 @@ fn value(
         }
         Number::Value(_) | Number::Sum(_) => {}
     }
-    let name = context.names.transition(&format!("New_{}", integer.name), transition);
+    let name = happening.name(context, &format!("New_{}", integer.name));
     let text = format!("what {} becomes: {}", integer.name, machine.number(number));
     let base = name.strip_prefix("New_").unwrap_or(&name).to_owned();
     let value = context.operand(rungs, number, &mut Sums { base, count: 0, of });

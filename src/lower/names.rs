@@ -35,11 +35,14 @@ impl Names {
         let regions = readable(regions.collect());
         let mut seen = BTreeMap::new();
         let transitions = machine.transitions.values().map(|t| {
-            let n: &mut usize = seen.entry((t.source, t.target)).or_default();
+            let n: &mut usize = seen.entry((t.source, t.target, t.internal)).or_default();
             *n += 1;
             let (source, target) = (&paths[t.source.index()], &paths[t.target.index()]);
             let last = &machine.states[t.target].name;
             let number = if *n > 1 { format!("_{n}") } else { String::new() };
+            if t.internal {
+                return (format!("{}_inside{number}", source.replace('.', "_")), format!("{source} inside#{n}"));
+            }
             (format!("{}_to_{last}{number}", source.replace('.', "_")), format!("{source}->{target}#{n}"))
         });
         let transitions = readable(transitions.collect());

@@ -97,15 +97,15 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
         let chained = context.is_chained(rivals);
         for &t in rivals {
             let transition = &machine.transitions[t];
+            if transition.internal {
+                // It leaves nothing, but those behind it wait. Where their order is a chain, they know.
+                if !chained {
+                    out.rest.push(Expr::Atom(context.enabled(t)).not());
+                }
+                continue;
+            }
             let target = machine.child_in(id, transition.target).expect("the scope holds the target");
-            let from = origin(
-                format!(
-                    "transition {} -> {}",
-                    machine.state_path(transition.source),
-                    machine.state_path(transition.target)
-                ),
-                transition.span,
-            );
+            let from = origin(context.about_transition(t), transition.span);
             if chained {
                 let fires = Expr::Atom(context.fires(t));
                 out.when(Expr::all([running.clone(), fires]), step_of(target), from);
@@ -113,7 +113,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             }
             // Whoever else needs to know has a coil for it; else the guard stands here.
             let needs_coil = transition.source != state || context.conditions.enabled.contains_key(&t);
-            let condition = if needs_coil || context.entries.tells(t) || !transition.effects.is_empty() {
+            let condition = if needs_coil || context.entries.tells(t) || !transition.deeds.is_empty() {
                 Expr::Atom(context.enabled(t))
             } else {
                 context.guard(&transition.guard, Some(id))

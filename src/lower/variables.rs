@@ -1,12 +1,12 @@
 //! Effects and actions to set and reset coils.
 //!
-//! First what fired transitions did, then what active states do, in this order: all sets, all
-//! resets. Conditions of actions read variables as the transitions left them; where one reads a
+//! First what happened once, in the order of [`Step`]; of what has the same place there, only one
+//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read variables as the transitions left them; where one reads a
 //! variable that an action writes, all conditions are taken down in coils before anything is written.
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
-use crate::ir::chart::Atom;
+use crate::ir::chart::{Atom, StateId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder};
 use crate::ir::plc::Role;
@@ -14,13 +14,7 @@ use crate::ir::plc::Role;
 pub fn lower(context: &mut Context<'_>) -> Ladder {
     let machine = context.machine;
     let count = machine.variables.len();
-    let mut effects: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
-    for (id, t) in machine.transitions.iter() {
-        for effect in &t.effects {
-            let fires = Expr::Atom(context.fires(id));
-            effects[effect.variable.index()][usize::from(effect.value)].push(fires);
-        }
-    }
+    let happened = happened(context);
     let mut actions: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
     let mut reads_written = false;
     let written: Vec<bool> = {
@@ -43,12 +37,12 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
 
     let mut rungs = Vec::new();
     let word = |value: bool| if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) };
-    for (id, v) in machine.variables.iter() {
-        for value in [true, false] {
-            let by = std::mem::take(&mut effects[id.index()][usize::from(value)]);
-            let (verb, kind) = word(value);
+    for ((id, v), list) in machine.variables.iter().zip(happened) {
+        for run in list.chunk_by(|a, b| (a.step.who(), a.value) == (b.step.who(), b.value)) {
+            let (verb, kind) = word(run[0].value);
             let coil = (context.variables[id.index()], kind);
-            rung(context, &mut rungs, coil, &Expr::any(by), format!("transitions that {verb} {}", v.name));
+            let by = Expr::any(run.iter().map(|write| write.condition.clone()));
+            rung(context, &mut rungs, coil, &by, format!("{} {verb} {}", run[0].step.who(), v.name));
         }
     }
     if reads_written {
@@ -77,4 +71,78 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         }
     }
     Ladder { rungs }
+}
+
+/// What writes a variable once, in the order in which it does.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Step {
+    /// A state is left; those further in come first.
+    Left(std::cmp::Reverse<u32>),
+    /// A transition fires that leaves nothing, so that others may fire inside its source; those further
+    /// out come first.
+    Inside(u32),
+    /// Any other transition fires.
+    Fired,
+    /// A state is entered; those further out come first.
+    Entered(u32),
+}
+
+impl Step {
+    fn who(self) -> &'static str {
+        match self {
+            Step::Left(_) => "states that are left and",
+            Step::Inside(_) | Step::Fired => "transitions that",
+            Step::Entered(_) => "states that are entered and",
+        }
+    }
+}
+
+struct Write {
+    step: Step,
+    value: bool,
+    condition: Condition,
+}
+
+/// For each variable, what writes it once, in order; sets before resets where that is free.
+fn happened(context: &mut Context<'_>) -> Vec<Vec<Write>> {
+    let machine = context.machine;
+    let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
+    for (id, t) in machine.transitions.iter() {
+        let source = &machine.states[t.source];
+        let step = if t.internal && !source.regions.is_empty() { Step::Inside(source.depth) } else { Step::Fired };
+        for effect in &t.deeds.effects {
+            let condition = Expr::Atom(context.fires(id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+    }
+    for (id, state) in machine.states.iter() {
+        for effect in &state.exit.effects {
+            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), context.left(id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+        for effect in &state.entry.effects {
+            let (step, condition) = (Step::Entered(state.depth), context.entered_now(id));
+            writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+        }
+    }
+    for list in &mut writes {
+        list.sort_by_key(|write| (write.step, !write.value));
+    }
+    writes
+}
+
+impl Context<'_> {
+    /// Whether the state was active when the scan began and has been left.
+    pub fn left(&mut self, state: StateId) -> Condition {
+        let was = Expr::Atom(self.active(state));
+        let gone = Expr::Atom(self.flags[state.index()]).not();
+        Expr::all([was, Expr::any([gone].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
+
+    /// Whether the state is active and has been entered in this scan.
+    pub fn entered_now(&mut self, state: StateId) -> Condition {
+        let is = Expr::Atom(self.flags[state.index()]);
+        let new = Expr::Atom(self.active(state)).not();
+        Expr::all([is, Expr::any([new].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
 }

@@ -332,11 +332,50 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                 let (variable, condition) = named_condition(p);
                 body.actions.push(Action { variable, value, condition });
             }
+            Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
+            Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
+            Rule::internal => body.internals.push(internal(p)),
             Rule::bad_item | Rule::bad_outer_item => bad.push(p),
             _ => {}
         }
     }
     body
+}
+
+/// The effect that the pair is, if it is one.
+fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+    if p.as_rule() != Rule::effect {
+        return None;
+    }
+    let mut value = EffectValue::Bool(p.as_str().starts_with("set"));
+    let mut variable = None;
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::name => variable = Some(name(p)),
+            Rule::sum => {
+                let span = span(&p);
+                value = EffectValue::Integer(sum(p), span);
+            }
+            _ => {}
+        }
+    }
+    Some(Effect { variable: variable.expect("an effect names a variable"), value })
+}
+
+fn internal(p: Pair<'_, Rule>) -> Internal {
+    let whole = span(&p);
+    let (mut priority, mut condition, mut effects, mut description) = (None, None, Vec::new(), None);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
+            Rule::expression => condition = Some(guard(p)),
+            Rule::effect => effects.extend(effect(p)),
+            Rule::text => description = Some(text(p)),
+            _ => {}
+        }
+    }
+    let guard = condition.expect("an internal transition has a condition");
+    Internal { priority, guard, effects, description, span: whole }
 }
 
 fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
@@ -380,21 +419,7 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             }
             Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
             Rule::expression => guard_ = Some(guard(p)),
-            Rule::effect => {
-                let mut value = EffectValue::Bool(p.as_str().starts_with("set"));
-                let mut variable = None;
-                for p in p.into_inner() {
-                    match p.as_rule() {
-                        Rule::name => variable = Some(name(p)),
-                        Rule::sum => {
-                            let span = span(&p);
-                            value = EffectValue::Integer(sum(p), span);
-                        }
-                        _ => {}
-                    }
-                }
-                effects.push(Effect { variable: variable.expect("an effect names a variable"), value });
-            }
+            Rule::effect => effects.extend(effect(p)),
             Rule::text => description = Some(text(p)),
             _ => {}
         }

@@ -17,7 +17,9 @@ use super::chart_filter;
 use super::parts::WIDTH;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
-use crate::ir::chart::{Atom, Guard, IntegerId, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::chart::{
+    Atom, Deeds, Guard, IntegerId, Machine, RegionId, StateId, StateKind, TransitionId, VariableId,
+};
 use crate::ir::number::{Comparison, Number, Range, Relation};
 use std::collections::{BTreeMap, HashMap};
 
@@ -147,27 +149,30 @@ impl<'m> ChartStep<'m> {
             // Of two transitions only those out of the same state of the region can be enabled
             // together, so each state has its own order.
             let mut tried = vec![Lit::FALSE; region.states.len()];
+            let mut left = vec![Lit::FALSE; region.states.len()];
             let place: HashMap<StateId, usize> = region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
             for &t in &self.scoped[id.index()] {
                 let transition = &m.transitions[t];
                 let child = m.child_in(id, transition.source).expect("the scope holds the source");
-                let tried = &mut tried[place[&child]];
+                let (tried, left) = (&mut tried[place[&child]], &mut left[place[&child]]);
                 let guard = reading.guard(aig, &transition.guard);
                 let enabled = aig.and(before.active[transition.source.index()], guard);
                 let first = aig.and(enabled, !*tried);
                 fires[t.index()] = aig.and(first, !barred);
                 *tried = aig.or(*tried, enabled);
+                if !transition.internal {
+                    *left = aig.or(*left, first);
+                }
             }
-            for (&s, &tried) in region.states.iter().zip(&tried) {
-                moved[s.index()] = aig.or(barred, tried);
+            for (&s, &left) in region.states.iter().zip(&left) {
+                moved[s.index()] = aig.or(barred, left);
             }
         }
         fires
     }
 
-    /// Which states are active after the transitions that fire, and which of them have been entered;
-    /// with `start` the outermost regions are.
-    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> (Vec<Lit>, Vec<Lit>) {
+    /// What becomes of states by the transitions that fire; with `start` the outermost regions are entered.
+    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> Moves {
         let m = self.machine;
         // For each state, who leaves it as a state of the transition's scope, and who names it on the
         // way down to the target.
@@ -175,7 +180,7 @@ impl<'m> ChartStep<'m> {
         let mut name = vec![Vec::new(); m.states.len()];
         for (id, t) in m.transitions.iter() {
             let fires = fires[id.index()];
-            if fires == Lit::FALSE {
+            if fires == Lit::FALSE || t.internal {
                 continue;
             }
             leave[m.child_in(t.scope, t.source).expect("the scope holds the source").index()].push(fires);
@@ -206,15 +211,56 @@ impl<'m> ChartStep<'m> {
                 active[i] = aig.or(stays, entered[i]);
             }
         }
-        (active, entered)
+        for (left, &before) in left.iter_mut().zip(before) {
+            *left = aig.and(*left, before);
+        }
+        Moves { left, entered, active }
     }
 
-    /// What becomes of integers when these transitions fire, of which none two assign to one integer: the value,
-    /// kept within the range.
-    fn assign(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit]) -> Vec<Vector> {
+    /// What happens once, with whether it does, in order: what states do when they are left, from the inside
+    /// out, transitions, those of outer regions first, what states do when they are entered, from the
+    /// outside in.
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> {
+        let m = self.machine;
+        let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
+        for (id, state) in m.states.iter() {
+            let depth = i64::from(state.depth);
+            steps.entry((0, -depth)).or_default().push((moves.left[id.index()], &state.exit));
+            steps.entry((2, depth)).or_default().push((moves.entered[id.index()], &state.entry));
+        }
+        for (id, t) in m.transitions.iter() {
+            let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
+            steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
+        }
+        steps
+    }
+
+    /// What becomes of variables by what happens once. What comes later wins.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> Vec<Lit> {
+        let mut variables = before.to_vec();
+        for step in self.deeds(fires, moves).values() {
+            let mut writes: BTreeMap<VariableId, [Vec<Lit>; 2]> = BTreeMap::new();
+            for (happens, deeds) in step {
+                for effect in &deeds.effects {
+                    writes.entry(effect.variable).or_default()[usize::from(effect.value)].push(*happens);
+                }
+            }
+            for (v, writes) in writes {
+                variables[v.index()] = write(aig, variables[v.index()], &writes);
+            }
+        }
+        variables
+    }
+
+    /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
+    /// the range.
+    fn count(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit], moves: &Moves) -> Vec<Vector> {
         let mut after = before.to_vec();
-        for (id, t) in self.machine.transitions.iter() {
-            for assignment in &t.assignments {
+        if before.is_empty() {
+            return after;
+        }
+        for (happens, deeds) in self.deeds(fires, moves).into_values().flatten() {
+            for assignment in &deeds.assignments {
                 let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
                 let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
                 let value = number(aig, &assignment.value, before);
@@ -223,7 +269,7 @@ impl<'m> ChartStep<'m> {
                 let kept = vector::select(aig, high, &highest, &kept);
                 let after = &mut after[assignment.integer.index()];
                 let kept = vector::fit(&kept, after.len());
-                *after = vector::select(aig, fires[id.index()], &kept, after);
+                *after = vector::select(aig, happens, &kept, after);
             }
         }
         after
@@ -240,16 +286,10 @@ impl<'m> ChartStep<'m> {
         start: Lit,
     ) -> ChartScan {
         let m = self.machine;
-        let (active, entered) = self.configuration(aig, &before.active, &fires, start);
-        let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
-        for (id, t) in m.transitions.iter() {
-            for effect in &t.effects {
-                writes[effect.variable.index()][usize::from(effect.value)].push(fires[id.index()]);
-            }
-        }
-        let variables = write(aig, &before.variables, &writes);
-
-        let integers = self.assign(aig, &before.integers, &fires);
+        let moves = self.configuration(aig, &before.active, &fires, start);
+        let variables = self.happen(aig, &before.variables, &fires, &moves);
+        let integers = self.count(aig, &before.integers, &fires, &moves);
+        let Moves { active, entered, .. } = moves;
 
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
         let reading = Reading {
@@ -268,7 +308,7 @@ impl<'m> ChartStep<'m> {
                 writes[action.variable.index()][usize::from(action.value)].push(acts);
             }
         }
-        let variables = write(aig, &variables, &writes);
+        let variables: Vec<Lit> = variables.iter().zip(&writes).map(|(&v, writes)| write(aig, v, writes)).collect();
 
         let reading = Reading {
             step: self,
@@ -322,15 +362,21 @@ fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vec
     }
 }
 
-/// First all that set, then all that reset; `writes` holds for each variable who resets and who sets it.
-fn write(aig: &mut Aig, before: &[Lit], writes: &[[Vec<Lit>; 2]]) -> Vec<Lit> {
-    let each = before.iter().zip(writes);
-    each.map(|(&before, [reset, set])| {
-        let (reset, set) = (aig.any(reset), aig.any(set));
-        let on = aig.or(before, set);
-        aig.and(on, !reset)
-    })
-    .collect()
+/// For each state, what becomes of it in a step.
+struct Moves {
+    /// Whether it was active and is left.
+    left: Vec<Lit>,
+    /// Whether it is entered.
+    entered: Vec<Lit>,
+    /// Whether it is active then.
+    active: Vec<Lit>,
+}
+
+/// First all that set, then all that reset; `writes` holds who resets and who sets the variable.
+fn write(aig: &mut Aig, before: Lit, [reset, set]: &[Vec<Lit>; 2]) -> Lit {
+    let (reset, set) = (aig.any(reset), aig.any(set));
+    let on = aig.or(before, set);
+    aig.and(on, !reset)
 }
 
 /// Where an expression is read: before or after the step.

@@ -1,7 +1,9 @@
-//! Written drives and actions to those of states, after the drives that technology demands.
+//! Written drives and actions to those of states, after the drives that technology demands; what happens
+//! when something is entered, left or fires.
 
 use super::expressions::Context;
 use super::{ResolvedBody, Resolver};
+use crate::base::{Code, Diagnostic};
 use crate::ir::chart::{self, StateKind, Technology};
 use crate::ir::{ast, expr::Expr};
 
@@ -26,6 +28,53 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
                 let action = chart::Action { variable, value: written.value, condition, span: written.variable.span };
                 r.machine.states[state].actions.push(action);
             }
+        }
+        let (entry, exit) = (r.deeds(&body.body.entry, "this entry"), r.deeds(&body.body.exit, "this exit"));
+        r.machine.states[state].entry = entry;
+        r.machine.states[state].exit = exit;
+    }
+}
+
+impl Resolver {
+    /// What happens once; `what` says in a message what it belongs to.
+    pub fn deeds(&mut self, written: &[ast::Effect], what: &str) -> chart::Deeds {
+        let mut deeds = chart::Deeds::default();
+        for effect in written {
+            match &effect.value {
+                ast::EffectValue::Bool(value) => self.set(&effect.variable, *value, what, &mut deeds.effects),
+                ast::EffectValue::Integer(value, span) => {
+                    let Some(assignment) = self.assignment(&effect.variable, value, *span) else { continue };
+                    match deeds.assignments.iter().find(|a| a.integer == assignment.integer) {
+                        None => deeds.assignments.push(assignment),
+                        Some(first) => self.diagnostics.push(
+                            Diagnostic::new(
+                                Code::SetAndReset,
+                                format!("{what} assigns to `{}` twice", effect.variable.text),
+                            )
+                            .label(assignment.span, "and here the other value")
+                            .label(first.span, "here the one"),
+                        ),
+                    }
+                }
+            }
+        }
+        deeds
+    }
+
+    /// `set V` or `reset V`.
+    fn set(&mut self, name: &ast::Name, value: bool, what: &str, effects: &mut Vec<chart::Effect>) {
+        if self.wants_number(name) {
+            return;
+        }
+        let Some(variable) = self.variable(name) else { return };
+        match effects.iter().find(|e| e.variable == variable) {
+            None => effects.push(chart::Effect { variable, value, span: name.span }),
+            Some(first) if first.value == value => {}
+            Some(first) => self.diagnostics.push(
+                Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", name.text))
+                    .label(name.span, "and here the other")
+                    .label(first.span, "here the one"),
+            ),
         }
     }
 }

@@ -27,8 +27,9 @@ impl Resolver {
                 ("an integer of a PLC goes from -32768 to 32767", "goes beyond")
             };
             self.diagnostics.push(Diagnostic::new(Code::BadRange, message).label(span, label));
-            // Nothing that is said of it further on would help.
-            return (Range::INT, 0);
+            // What was probably meant, so that nothing is said of what follows from it.
+            let fit = |n: i64| n.clamp(Range::INT.lowest, Range::INT.highest);
+            return (Range { lowest: fit(lowest.min(highest)), highest: fit(lowest.max(highest)) }, fit(lowest));
         }
         match initial {
             Some((n, _)) if range.holds(Range::of(n)) => (range, n),

@@ -184,6 +184,8 @@ impl<'a> Builder<'_, 'a, '_> {
             position: None,
             drives: Vec::new(),
             actions: Vec::new(),
+            entry: chart::Deeds::default(),
+            exit: chart::Deeds::default(),
             depth,
             span: declared.name.span,
         });
@@ -226,11 +228,11 @@ impl<'a> Builder<'_, 'a, '_> {
                 inner = regions[0];
             }
             self.r.machine.states[id].regions = regions;
-        } else if body.drives.is_empty() && body.actions.is_empty() {
+        } else if !body.does_something() {
             self.r.diagnostics.push(
                 Diagnostic::new(Code::EmptyState, format!("the braces of `{}` are empty", declared.name.text))
                     .label(body.span, "nothing stands here")
-                    .help("leave the braces out, or say what the state holds or drives"),
+                    .help("leave the braces out, or say what the state holds or does"),
             );
         } else if let Some(span) = declared.parallel {
             self.not_parallel(declared, span);
@@ -308,6 +310,8 @@ impl<'a> Builder<'_, 'a, '_> {
             position: None,
             drives: Vec::new(),
             actions: Vec::new(),
+            entry: chart::Deeds::default(),
+            exit: chart::Deeds::default(),
             depth,
             span: name.span,
         });

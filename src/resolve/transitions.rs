@@ -10,6 +10,9 @@ use crate::ir::{ast, expr::Expr};
 pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     let mut found = Vec::new();
     for body in bodies {
+        if let Some(state) = body.state {
+            found.extend(body.body.internals.iter().map(|written| internal(r, body, written, state)));
+        }
         // The braces of a plain composite state are its region's, which has its own entry.
         if body.state.is_some() && body.body.regions.is_empty() {
             continue;
@@ -51,7 +54,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
     };
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
-        let details = details(r, body, written, source);
+        let (guard, deeds) = details(r, body, written, source);
         if i > 0 {
             // What is wrong with the text has been said for the first source.
             r.diagnostics = before;
@@ -65,7 +68,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
             return;
         };
         jump(r, written.span, source, target);
-        into.push(transition(written, source, target, scope, details));
+        into.push(transition(written, source, target, scope, guard, deeds));
     }
 }
 
@@ -95,17 +98,17 @@ fn movement(
     let ast::Source::State(path) = &written.source else { unreachable!("a movement starts in one state") };
     let (source, target) = (find(r, body, path), find(r, body, &written.target));
     if let Some(source) = source {
-        let details = details(r, body, written, source);
+        let (guard, deeds) = details(r, body, written, source);
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, body.region, details));
+            into.push(transition(written, source, state, body.region, guard, deeds));
             into.push(chart::Transition {
                 source: state,
                 target,
                 scope: body.region,
                 guard: sensor,
-                effects: Vec::new(),
-                assignments: Vec::new(),
+                internal: false,
+                deeds: chart::Deeds::default(),
                 priority: None,
                 description: String::new(),
                 span: written.span,
@@ -191,58 +194,47 @@ fn find(r: &mut Resolver, body: &ResolvedBody<'_>, path: &ast::Path) -> Option<c
     r.state(&parts, Some(body.region))
 }
 
-/// What a transition asks and does.
-struct Details {
-    guard: Guard,
-    effects: Vec<chart::Effect>,
-    assignments: Vec<chart::Assignment>,
-}
-
 /// Guard and effects; without `when`, a composite source waits for `done`.
-fn details(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, source: chart::StateId) -> Details {
+fn details(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Transition,
+    source: chart::StateId,
+) -> (Guard, chart::Deeds) {
     let guard = match &written.guard {
         Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
-    let mut all = Details { guard, effects: Vec::new(), assignments: Vec::new() };
-    for effect in &written.effects {
-        match &effect.value {
-            ast::EffectValue::Bool(value) => set(r, effect, *value, &mut all.effects),
-            ast::EffectValue::Integer(value, span) => {
-                let Some(assignment) = r.assignment(&effect.variable, value, *span) else { continue };
-                match all.assignments.iter().find(|a| a.integer == assignment.integer) {
-                    None => all.assignments.push(assignment),
-                    Some(first) => r.diagnostics.push(
-                        Diagnostic::new(
-                            Code::SetAndReset,
-                            format!("this transition assigns to `{}` twice", effect.variable.text),
-                        )
-                        .label(assignment.span, "and here the other value")
-                        .label(first.span, "here the one"),
-                    ),
-                }
-            }
-        }
-    }
-    all
+    (guard, r.deeds(&written.effects, "this transition"))
 }
 
-/// `set V` or `reset V`.
-fn set(r: &mut Resolver, written: &ast::Effect, value: bool, effects: &mut Vec<chart::Effect>) {
-    let name = &written.variable;
-    if r.wants_number(name) {
-        return;
+/// A transition that leaves nothing, out of the state between whose braces it is written.
+fn internal(
+    r: &mut Resolver,
+    body: &ResolvedBody<'_>,
+    written: &ast::Internal,
+    state: chart::StateId,
+) -> chart::Transition {
+    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state });
+    let deeds = r.deeds(&written.effects, "this transition");
+    if written.effects.is_empty() {
+        r.diagnostics.push(
+            Diagnostic::new(Code::IdleInternal, "this internal transition does nothing")
+                .label(written.span, "it leaves nothing and has no effect")
+                .help("write what happens: `internal when … then set VARIABLE`"),
+        );
     }
-    let Some(variable) = r.variable(name) else { return };
-    match effects.iter().find(|e| e.variable == variable) {
-        None => effects.push(chart::Effect { variable, value, span: name.span }),
-        Some(first) if first.value == value => {}
-        Some(first) => r.diagnostics.push(
-            Diagnostic::new(Code::SetAndReset, format!("this transition sets and resets `{}`", name.text))
-                .label(name.span, "and here the other")
-                .label(first.span, "here the one"),
-        ),
+    chart::Transition {
+        source: state,
+        target: state,
+        internal: true,
+        scope: r.machine.states[state].region,
+        guard,
+        deeds,
+        priority: written.priority.map(|(n, _)| n),
+        description: describe(&written.description),
+        span: written.span,
     }
 }
 
@@ -251,15 +243,16 @@ fn transition(
     source: chart::StateId,
     target: chart::StateId,
     scope: chart::RegionId,
-    Details { guard, effects, assignments }: Details,
+    guard: Guard,
+    deeds: chart::Deeds,
 ) -> chart::Transition {
     chart::Transition {
         source,
         target,
+        internal: false,
         scope,
         guard,
-        effects,
-        assignments,
+        deeds,
         priority: written.priority.map(|(n, _)| n),
         description: describe(&written.description),
         span: written.span,

@@ -186,8 +186,8 @@ impl Chart {
             self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
-            self.integers.assign(self.configuration.fired(), &mut self.memory);
         }
+        self.integers.assign(self.configuration.happened(), &mut self.memory);
         self.act();
         self.drive();
         self.filter.decide(&mut self.memory.words, &self.commands);

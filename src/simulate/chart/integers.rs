@@ -6,7 +6,8 @@
 //! the step.
 
 use super::code::{Layout, Memory, append, part};
-use crate::ir::chart::{ComparisonId, IntegerId, Machine, TransitionId};
+use super::steps::Deed;
+use crate::ir::chart::{ComparisonId, Deeds, IntegerId, Machine};
 use crate::ir::number::{Number, Range as Bounds, Relation};
 use std::ops::Range;
 
@@ -40,8 +41,10 @@ struct Comparison {
 #[derive(Clone, Debug)]
 pub struct Integers {
     assignments: Vec<Assignment>,
-    /// For each transition, its assignments.
+    /// Of each state that is left, each transition and each state that is entered.
+    of_exit: Vec<Range<u32>>,
     of_transition: Vec<Range<u32>>,
+    of_entry: Vec<Range<u32>>,
     comparisons: Vec<Comparison>,
     /// What was assigned in this scan; written when all of it has been read.
     pending: Vec<(u32, i64)>,
@@ -53,18 +56,25 @@ impl Integers {
         memory.integers = machine.integers.values().map(|i| i.initial).collect();
         let mut all = Integers {
             assignments: Vec::new(),
+            of_exit: Vec::new(),
             of_transition: Vec::new(),
+            of_entry: Vec::new(),
             comparisons: Vec::new(),
             pending: Vec::with_capacity(machine.integers.len()),
         };
-        for transition in machine.transitions.values().filter(|_| !machine.integers.is_empty()) {
-            let assignments = transition.assignments.iter().map(|a| {
+        if machine.integers.is_empty() {
+            return all;
+        }
+        let mut add = |deeds: &Deeds| {
+            let assignments = deeds.assignments.iter().map(|a| {
                 let integer = a.integer.index() as u32;
                 Assignment { integer, value: Sum::of(&a.value), bounds: machine.integers[a.integer].range }
             });
-            let range = append(&mut all.assignments, assignments);
-            all.of_transition.push(range);
-        }
+            append(&mut all.assignments, assignments)
+        };
+        all.of_exit = machine.states.values().map(|s| add(&s.exit)).collect();
+        all.of_transition = machine.transitions.values().map(|t| add(&t.deeds)).collect();
+        all.of_entry = machine.states.values().map(|s| add(&s.entry)).collect();
         for (id, comparison) in machine.comparisons.iter() {
             let mut difference = Sum::default();
             difference.add(&comparison.left, 1);
@@ -76,14 +86,19 @@ impl Integers {
         all
     }
 
-    /// Does what the transitions do that have fired: all values are read before one is written.
-    pub fn assign(&mut self, fired: &[TransitionId], memory: &mut Memory) {
+    /// Assigns what `happened` says, of which the last wins: all values are read before one is written.
+    pub fn assign(&mut self, happened: &[Deed], memory: &mut Memory) {
         if self.assignments.is_empty() {
             return;
         }
         self.pending.clear();
-        for transition in fired {
-            for assignment in part(&self.assignments, &self.of_transition[transition.index()]) {
+        for deed in happened {
+            let range = match deed {
+                Deed::Exit(state) => &self.of_exit[state.index()],
+                Deed::Fire(transition) => &self.of_transition[transition.index()],
+                Deed::Entry(state) => &self.of_entry[state.index()],
+            };
+            for assignment in part(&self.assignments, range) {
                 let Bounds { lowest, highest } = assignment.bounds;
                 let value = assignment.value.of_memory(memory).clamp(lowest, highest);
                 self.pending.push((assignment.integer, value));

@@ -9,10 +9,11 @@
 //!
 //! A step is two passes: the first looks for the transitions that fire, the second fires them. So
 //! guards read states and variables from before the step without a copy of them. Nothing is lost by
-//! it: of two transitions that fire in one scan, neither leaves or enters what the other does.
+//! it: of two transitions that fire in one scan, neither leaves or enters what the other does. What
+//! states do when they are left comes before all that, because it asks which of them were active.
 
 use super::code::{Code, Condition, Layout, Memory, append, part};
-use crate::ir::chart::{Atom, Machine, RegionId, StateId, Transition, TransitionId};
+use crate::ir::chart::{Atom, Deeds, Machine, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -23,8 +24,21 @@ struct Step {
     id: TransitionId,
     /// Its guard; with it that its source is active, where that is not certain.
     enabled: Condition,
+    /// Whether it leaves and enters nothing.
+    internal: bool,
+    /// The states with something to do when they are left that it may leave.
+    exits: Range<u32>,
     changes: Range<u32>,
     enters: Range<u32>,
+}
+
+/// A state that does something when it is left.
+#[derive(Clone, Debug)]
+struct Exit {
+    state: StateId,
+    word: u32,
+    bit: u64,
+    changes: Range<u32>,
 }
 
 /// What becomes of one word: first bits are cleared, then set.
@@ -35,19 +49,37 @@ struct Change {
     set: u64,
 }
 
+/// Something that happens once.
+#[derive(Clone, Copy, Debug)]
+pub enum Deed {
+    /// A state is left.
+    Exit(StateId),
+    /// A transition fires.
+    Fire(TransitionId),
+    /// A state is entered.
+    Entry(StateId),
+}
+
 /// The tables of all transitions.
 #[derive(Clone, Debug)]
 pub struct Steps {
     /// For each state, the transitions that leave it as the active state of their scope.
     leaving: Vec<Range<u32>>,
     steps: Vec<Step>,
+    /// For each state, those in it that do something when they are left, the innermost first.
+    leavers: Vec<Range<u32>>,
+    exits: Vec<Exit>,
     changes: Vec<Change>,
     enters: Vec<(RegionId, StateId)>,
+    /// For each state, what it does when it is entered; nothing at all if none does anything.
+    entry: Vec<Range<u32>>,
     /// For each state, its regions.
     inside: Vec<Range<u32>>,
     regions: Vec<RegionId>,
     /// The outermost regions of all charts.
     outermost: Range<u32>,
+    /// Whether there are integers.
+    counts: bool,
     /// What the first scan enters.
     initial: Vec<(RegionId, StateId)>,
 }
@@ -59,6 +91,8 @@ pub struct Configuration {
     active: Vec<StateId>,
     /// The transitions that fired in this scan.
     fired: Vec<TransitionId>,
+    /// What happened in this scan, in order; only of a machine with integers.
+    happened: Vec<Deed>,
     /// The same as places in the table.
     firing: Vec<u32>,
     /// Active regions that have still to be looked at.
@@ -73,9 +107,19 @@ impl Configuration {
         Configuration {
             active: machine.regions.values().map(|r| r.initial).collect(),
             fired: Vec::with_capacity(regions),
+            happened: Vec::with_capacity(if machine.integers.is_empty() {
+                0
+            } else {
+                regions + 2 * machine.states.len()
+            }),
             firing: Vec::with_capacity(regions),
             open: Vec::with_capacity(regions),
         }
+    }
+
+    /// What happened in this scan, in order; nothing of a machine without integers.
+    pub fn happened(&self) -> &[Deed] {
+        &self.happened
     }
 
     /// The transitions that fired in this scan, those of outer regions first.
@@ -90,11 +134,15 @@ impl Steps {
         let mut all = Steps {
             leaving: Vec::with_capacity(machine.states.len()),
             steps: Vec::with_capacity(machine.transitions.len()),
+            leavers: Vec::new(),
+            exits: Vec::new(),
             changes: Vec::new(),
             enters: Vec::new(),
+            entry: Vec::new(),
             inside: Vec::with_capacity(machine.states.len()),
             regions: Vec::with_capacity(machine.regions.len()),
             outermost: 0..0,
+            counts: !machine.integers.is_empty(),
             initial: Vec::new(),
         };
         all.outermost = append(&mut all.regions, machine.charts.iter().flat_map(|c| c.regions.iter().copied()));
@@ -116,6 +164,7 @@ impl Steps {
                 (machine.states[t.source].depth, t.priority.unwrap_or(u32::MAX))
             });
         }
+        all.entries_and_exits(machine, layout);
         let within = within(machine, layout);
         for (state, list) in by_state.into_iter().enumerate() {
             let from = all.steps.len() as u32;
@@ -127,33 +176,58 @@ impl Steps {
         all
     }
 
+    fn entries_and_exits(&mut self, machine: &Machine, layout: Layout) {
+        if machine.states.values().any(|s| !s.entry.is_empty()) {
+            for state in machine.states.values() {
+                let mut words = BTreeMap::new();
+                write(&state.entry, layout, &mut words);
+                self.entry.push(append(&mut self.changes, changes(words)));
+            }
+        }
+        let mut leavers: Vec<Vec<StateId>> = vec![Vec::new(); machine.states.len()];
+        // A parent comes before what it contains, so backwards the innermost come first.
+        for (id, _) in machine.states.iter().rev().filter(|(_, s)| !s.exit.is_empty()) {
+            machine.ancestors(id).for_each(|outer| leavers[outer.index()].push(id));
+        }
+        for list in leavers {
+            let exits: Vec<Exit> = list
+                .into_iter()
+                .map(|state| {
+                    let mut words = BTreeMap::new();
+                    write(&machine.states[state].exit, layout, &mut words);
+                    let (word, bit) = layout.state(state);
+                    Exit { state, word: word as u32, bit, changes: append(&mut self.changes, changes(words)) }
+                })
+                .collect();
+            self.leavers.push(append(&mut self.exits, exits));
+        }
+    }
+
     fn add(&mut self, machine: &Machine, layout: Layout, code: &mut Code, within: &[(usize, u64)], id: TransitionId) {
         let t = &machine.transitions[id];
-        let source = if t.source == leaves(machine, t) { Expr::TRUE } else { Expr::Atom(Atom::In(t.source)) };
+        let child = leaves(machine, t);
+        let source = if t.source == child { Expr::TRUE } else { Expr::Atom(Atom::In(t.source)) };
         let enabled = code.add(machine, &Expr::all([source, t.guard.clone()]));
-
-        let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
-        let mut entered = Vec::new();
-        enter(machine, first, Some(t.target), &mut entered);
 
         // Clearing and setting, by word.
         let mut words: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
-        for &(word, mask) in within {
-            words.entry(word).or_default().0 |= mask;
+        let mut entered = Vec::new();
+        if !t.internal {
+            let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
+            enter(machine, first, Some(t.target), &mut entered);
+            for &(word, mask) in within {
+                words.entry(word).or_default().0 |= mask;
+            }
         }
         for &(_, state) in &entered {
             let (word, bit) = layout.state(state);
             words.entry(word).or_default().1 |= bit;
         }
-        for effect in &t.effects {
-            let (word, bit) = layout.variable(effect.variable);
-            let change = words.entry(word).or_default();
-            *(if effect.value { &mut change.1 } else { &mut change.0 }) |= bit;
-        }
-        let changes = words.into_iter().map(|(word, (clear, set))| Change { word: word as u32, clear, set });
-        let changes = append(&mut self.changes, changes);
+        write(&t.deeds, layout, &mut words);
+        let exits = if t.internal { 0..0 } else { self.leavers[child.index()].clone() };
+        let changes = append(&mut self.changes, changes(words));
         let enters = append(&mut self.enters, entered);
-        self.steps.push(Step { id, enabled, changes, enters });
+        self.steps.push(Step { id, enabled, internal: t.internal, exits, changes, enters });
     }
 
     /// Enters the initial states.
@@ -163,36 +237,84 @@ impl Steps {
             memory.entered[state.index()] = memory.scan;
             let (word, bit) = layout.state(state);
             memory.words[word] |= bit;
+            self.greet(state, memory, &mut configuration.happened);
         }
     }
 
     /// Each chart takes one step, effects on variables included.
     pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, fired, firing, open } = configuration;
+        let Configuration { active, fired, happened, firing, open } = configuration;
         fired.clear();
+        happened.clear();
         firing.clear();
         open.extend_from_slice(part(&self.regions, &self.outermost));
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
-            match part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, memory)) {
-                Some(at) => firing.push(candidates.start + at as u32),
-                None => open.extend_from_slice(part(&self.regions, &self.inside[state])),
+            let fires = part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, memory));
+            if let Some(at) = fires {
+                firing.push(candidates.start + at as u32);
+            }
+            if fires.is_none_or(|at| self.steps[candidates.start as usize + at].internal) {
+                open.extend_from_slice(part(&self.regions, &self.inside[state]));
+            }
+        }
+        if !self.exits.is_empty() {
+            for &at in firing.iter() {
+                for exit in part(&self.exits, &self.steps[at as usize].exits) {
+                    if memory.words[exit.word as usize] & exit.bit != 0 {
+                        self.change(&exit.changes, memory);
+                        if self.counts {
+                            happened.push(Deed::Exit(exit.state));
+                        }
+                    }
+                }
             }
         }
         for &at in firing.iter() {
             let step = &self.steps[at as usize];
-            for change in part(&self.changes, &step.changes) {
-                let word = &mut memory.words[change.word as usize];
-                *word = *word & !change.clear | change.set;
+            self.change(&step.changes, memory);
+            if self.counts {
+                happened.push(Deed::Fire(step.id));
             }
             for &(region, state) in part(&self.enters, &step.enters) {
                 active[region.index()] = state;
                 memory.entered[state.index()] = memory.scan;
+                self.greet(state, memory, happened);
             }
             fired.push(step.id);
         }
     }
+
+    /// What the state does when it is entered.
+    fn greet(&self, state: StateId, memory: &mut Memory, happened: &mut Vec<Deed>) {
+        if self.counts {
+            happened.push(Deed::Entry(state));
+        }
+        if let Some(entry) = self.entry.get(state.index()) {
+            self.change(entry, memory);
+        }
+    }
+
+    fn change(&self, changes: &Range<u32>, memory: &mut Memory) {
+        for change in part(&self.changes, changes) {
+            let word = &mut memory.words[change.word as usize];
+            *word = *word & !change.clear | change.set;
+        }
+    }
+}
+
+/// What becomes of words by what happens once; for each word, the bits to clear and to set.
+fn write(deeds: &Deeds, layout: Layout, words: &mut BTreeMap<usize, (u64, u64)>) {
+    for effect in &deeds.effects {
+        let (word, bit) = layout.variable(effect.variable);
+        let change = words.entry(word).or_default();
+        *(if effect.value { &mut change.1 } else { &mut change.0 }) |= bit;
+    }
+}
+
+fn changes(words: BTreeMap<usize, (u64, u64)>) -> impl Iterator<Item = Change> {
+    words.into_iter().map(|(word, (clear, set))| Change { word: word as u32, clear, set })
 }
 
 /// The state of its scope that a transition leaves.

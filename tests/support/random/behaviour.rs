@@ -205,18 +205,27 @@ impl Model {
     }
 
     fn effects(&mut self, scope: usize) -> String {
-        let mut variables = self.regions[scope].variables.clone();
-        if variables.is_empty() || !self.rng.chance(35) {
+        if !self.rng.chance(35) {
             return String::new();
+        }
+        self.deeds(scope).map(|deeds| format!(" then {deeds}")).unwrap_or_default()
+    }
+
+    /// What happens once, if there is something that may be written in the region.
+    fn deeds(&mut self, region: usize) -> Option<String> {
+        let mut variables = self.regions[region].variables.clone();
+        if variables.is_empty() {
+            return None;
         }
         self.rng.shuffle(&mut variables);
         let count = self.rng.between(1, variables.len().min(2));
         let effects: Vec<String> =
             variables[..count].iter().map(|v| format!("{} Var{v}", self.rng.pick(&["set", "reset"]))).collect();
-        format!(" then {}", effects.join(", "))
+        Some(effects.join(", "))
     }
 
-    /// What states drive, set and reset.
+    /// What states drive, set and reset, what they do when they are entered and left, and what happens
+    /// inside them.
     pub fn behaviour(&mut self) {
         for state in 0..self.states.len() {
             if self.states[state].movement {
@@ -239,6 +248,19 @@ impl Model {
                     _ => self.condition(70),
                 };
                 lines.push(format!("{word} Var{variable}{condition}"));
+            }
+            for word in ["entry", "exit"] {
+                if self.rng.chance(15)
+                    && let Some(deeds) = self.deeds(region)
+                {
+                    lines.push(format!("{word} {deeds}"));
+                }
+            }
+            while self.rng.chance(15) {
+                let Some(deeds) = self.deeds(region) else { break };
+                let (priority, guard) = (self.priority(), self.timed(2));
+                let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
+                lines.push(format!("internal{priority} when {edge} and ({guard}) then {deeds}"));
             }
             self.states[state].lines.extend(lines.into_iter().map(Item::Line));
         }

@@ -22,6 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
+    ("verify", &["base", "bits", "ir"]),
     ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
     ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];

@@ -208,6 +208,7 @@ codes! {
     ContradictingReliefs "E407" "combined constraints can force one output both ways",
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
+    BadReset "E410" "a filter lacks its reset, or has one that it cannot use",
 
     NotPlcopen "E601" "the file is not PLCopen XML",
     NotUnderstood "E602" "a construct of the PLC project is not understood",

@@ -2,6 +2,7 @@
 
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::{Atom, Deeds, Guard, Machine};
+use crate::ir::expr::Expr;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
@@ -34,6 +35,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         }
     }
     machine.safety.constraints.values().for_each(|c| look(&c.never));
+    machine.safety.reset.into_iter().for_each(|i| look(&Expr::Atom(Atom::Input(i))));
     machine.safety.assumptions.iter().for_each(|a| look(&a.never));
     machine.actuators.values().flat_map(|a| &a.positions).filter_map(|p| p.sensor.as_ref()).for_each(look);
 

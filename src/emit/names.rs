@@ -56,6 +56,9 @@ fn role(role: Role) -> &'static str {
         Role::Command => "command",
         Role::Filter => "filter",
         Role::Alarm => "alarm",
+        Role::Acted => "acted",
+        Role::Noted => "noted",
+        Role::First => "first",
     }
 }
 

@@ -175,6 +175,12 @@ pub enum Term {
     DoneOf(PathRef),
     /// `done`: the source of this transition.
     Done(Span),
+    /// `acts(Constraint)`.
+    Acts(PathRef),
+    /// `first(Constraint)`.
+    First(PathRef),
+    /// `blocked`.
+    Blocked(Span),
     /// `alarm(Constraint)`.
     Alarm(PathRef),
     /// `after 500ms`: the source of this transition has been active that long.
@@ -375,11 +381,15 @@ pub struct Action {
     pub condition: Option<Guard>,
 }
 
-/// `safety supervisor { … }`.
+/// `safety supervisor relief in-order reset by Ack { … }`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Safety {
     /// `supervisor`, where it stands.
     pub mode: Name,
+    /// `relief in-order`, where it stands.
+    pub in_order: Option<Span>,
+    /// `reset by …`.
+    pub reset: Option<Name>,
     /// The constraints in order.
     pub constraints: Vec<Constraint>,
     /// The assumptions in order.

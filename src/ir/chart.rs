@@ -27,7 +27,11 @@
 //!    Their conditions read states as they are now and variables as 4 left them.
 //! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
 //!    conditions read states and variables as they are now.
-//! 7. The filter turns commands into outputs; [`Atom::Output`] is what it decides.
+//! 7. The filter turns commands into outputs ([`super::relief`] says how); [`Atom::Output`] is what it
+//!    decides. A constraint *acts* when the commands violate it, or what other constraints make of them
+//!    does. With [`FilterMode::Blocking`] it acts when the commands violate it, and from the scan in which
+//!    one does until [`Safety::reset`] rises, that scan excluded, the filter takes all commands as FALSE.
+//!    Both can happen in one scan: then the machine stays stopped.
 //!
 //! The first scan enters the initial states, their entries included, and takes no transition.
 
@@ -381,6 +385,13 @@ pub struct Transition {
 pub struct Safety {
     /// What the filter does about a violation; nothing when the model has no constraints.
     pub mode: Option<FilterMode>,
+    /// Where the mode stands.
+    pub span: Span,
+    /// How combined constraints are relieved.
+    pub relief: Relief,
+    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
+    /// if, it remembers that.
+    pub reset: Option<InputId>,
     /// What must never be, in the order in which it is written.
     pub constraints: Arena<Constraint>,
     /// What the plant cannot do.
@@ -390,8 +401,36 @@ pub struct Safety {
 /// What the filter does about a violation (seed 001).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterMode {
+    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
+    /// what constraints make of that.
+    Blocking,
     /// Outputs are corrected, the program goes on, each correction is an alarm.
     Supervisor,
+    /// Outputs are corrected, and that is normal.
+    Controller,
+}
+
+/// How combined constraints are relieved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Relief {
+    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
+    #[default]
+    Together,
+    /// In sweeps, each in its turn and at once, as they are written (seed 003).
+    InOrder {
+        /// How many sweeps are made: as many as it takes at most to meet all constraints.
+        sweeps: usize,
+    },
+}
+
+/// What the filter remembers from scan to scan; FALSE before the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Mark {
+    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
+    /// while this is TRUE.
+    Noted,
+    /// The constraint acted in the scan in which this began.
+    First(ConstraintId),
 }
 
 /// A safety constraint: none of its products may be TRUE when the outputs are written.
@@ -432,6 +471,19 @@ pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bo
         Atom::Output(o) => Some((o, l.negated)),
         _ => None,
     })
+}
+
+impl Safety {
+    /// What the filter remembers, the stop first.
+    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
+        let any = self.reset.is_some();
+        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
+    }
+
+    /// Whether a constraint that acts is an alarm.
+    pub fn alarms(&self) -> bool {
+        self.mode != Some(FilterMode::Controller)
+    }
 }
 
 impl Machine {
@@ -508,6 +560,15 @@ impl Machine {
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),
+        }
+    }
+
+    /// What the filter remembers, as a model asks for it.
+    pub fn mark(&self, mark: Mark) -> String {
+        match mark {
+            Mark::Noted if self.safety.mode == Some(FilterMode::Blocking) => "blocked".to_owned(),
+            Mark::Noted => "noted".to_owned(),
+            Mark::First(c) => format!("first({})", self.safety.constraints[c].name),
         }
     }
 

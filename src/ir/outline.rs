@@ -54,6 +54,14 @@ impl Writer<'_> {
                 self.region(r, 1)?;
             }
         }
+        if let Some(mode) = m.safety.mode {
+            let relief = match m.safety.relief {
+                Relief::Together => String::new(),
+                Relief::InOrder { sweeps } => format!(", relief in order, {sweeps} sweeps"),
+            };
+            let reset = m.safety.reset.map(|i| format!(", reset by {}", m.inputs[i].name)).unwrap_or_default();
+            writeln!(self.out, "filter {mode:?}{relief}{reset}")?;
+        }
         for a in &m.safety.assumptions {
             writeln!(self.out, "assume {}: {} = 0", a.name, self.products(&a.products))?;
         }

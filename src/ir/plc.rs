@@ -78,6 +78,12 @@ pub enum Role {
     Filter,
     /// TRUE when the plant breaks an assumption or a constraint had to act.
     Alarm,
+    /// TRUE when a constraint had to act, where that is normal.
+    Acted,
+    /// TRUE from when a constraint acts until the reset.
+    Noted,
+    /// TRUE while that is so, if this constraint acted in the scan in which it began.
+    First,
 }
 
 /// What something in the project stands for in the model.

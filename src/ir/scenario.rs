@@ -20,7 +20,7 @@
 //!
 //! A scenario that forces an input holds its value, whatever the plant does; its rules rest meanwhile.
 
-use super::chart::{ActuatorId, Atom, ConstraintId, InputId, Machine};
+use super::chart::{ActuatorId, Atom, ConstraintId, InputId, Machine, Mark};
 use super::expr::Expr;
 use crate::base::{Arena, Id, Span};
 
@@ -133,6 +133,8 @@ pub enum Seen {
     PrevBit(BitId),
     /// Whether the constraint had to act in this scan.
     Acted(ConstraintId),
+    /// What the filter remembers.
+    Mark(Mark),
     /// Whether the assumption of that index was broken in this scan.
     Broken(usize),
 }
@@ -222,7 +224,11 @@ impl Machine {
             Seen::Machine(atom) => self.atom(atom),
             Seen::Bit(b) => self.plant.bits[b].name.clone(),
             Seen::PrevBit(b) => format!("prev({})", self.plant.bits[b].name),
-            Seen::Acted(c) => format!("alarm({})", self.safety.constraints[c].name),
+            Seen::Acted(c) => {
+                let word = if self.safety.alarms() { "alarm" } else { "acts" };
+                format!("{word}({})", self.safety.constraints[c].name)
+            }
+            Seen::Mark(mark) => self.mark(mark),
             Seen::Broken(a) => format!("alarm({})", self.safety.assumptions[a].name),
         }
     }

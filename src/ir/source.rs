@@ -225,7 +225,8 @@ impl Writer {
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
-        self.block(format_args!("safety {}", s.mode.text), |w| {
+        let relief = if s.in_order.is_some() { " relief in-order" } else { "" };
+        self.block(format_args!("safety {}{relief}{}", s.mode.text, clause("reset by", s.reset.as_ref())), |w| {
             for a in &s.assumptions {
                 w.line(format_args!("assume {}: never {}{}", a.name.text, condition(&a.never), text(&a.text)))?;
             }
@@ -310,7 +311,10 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::In(p) => write!(f, "in({})", path(p)),
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
         Term::Alarm(p) => write!(f, "alarm({})", path(p)),
+        Term::Acts(p) => write!(f, "acts({})", path(p)),
+        Term::First(p) => write!(f, "first({})", path(p)),
         Term::Done(_) => f.write_str("done"),
+        Term::Blocked(_) => f.write_str("blocked"),
         Term::After(time) => write!(f, "after {}ms", time.milliseconds.unwrap_or(0)),
     });
     written.expect("writing to a string succeeds");

@@ -8,15 +8,21 @@
 //! constraints are written means nothing. There are as many rounds as the graph GO is deep; a product
 //! is evaluated only in rounds in which it can still be violated. What the last round selects is
 //! written to the outputs, in the last rungs.
+//!
+//! With `relief in-order` the rounds are sweeps ([`order`]). What the filter remembers, and what makes a
+//! blocking one take commands as FALSE, is in [`memory`].
+
+mod memory;
+mod order;
 
 use super::context::{Condition, Context, origin};
 use super::rungs::rung;
 use crate::base::Span;
-use crate::ir::chart::{Atom, ConstraintId, OutputId};
+use crate::ir::chart::{Atom, ConstraintId, FilterMode, OutputId, Relief};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder, Rung};
 use crate::ir::plc::{GlobalId, Role};
-use crate::ir::relief::Reliefs;
+use crate::ir::relief::{Combined, Reliefs};
 use crate::ir::sop::Product;
 use std::collections::BTreeMap;
 
@@ -25,6 +31,7 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
     let reliefs = Reliefs::of(&machine.safety);
     let mut filter = Filter {
         rungs: Vec::new(),
+        taken: context.commands.clone(),
         off: vec![None; machine.outputs.len()],
         on: vec![None; machine.outputs.len()],
         yields: vec![None; machine.outputs.len()],
@@ -33,13 +40,24 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         alarms: vec![Vec::new(); machine.safety.constraints.len()],
     };
     filter.assumptions(context);
-    filter.forcings(context, &reliefs);
-    for round in 0..reliefs.depth() {
-        filter.round(context, &reliefs, round);
+    let blocking = machine.safety.mode == Some(FilterMode::Blocking);
+    if blocking {
+        filter.stop(context);
     }
-    filter.alarms(context);
+    filter.forcings(context, &reliefs);
+    match machine.safety.relief {
+        Relief::Together => (0..reliefs.depth()).for_each(|round| filter.round(context, &reliefs, round)),
+        Relief::InOrder { sweeps } => (0..sweeps).for_each(|sweep| filter.sweep(context, &reliefs, sweep)),
+    }
+    if !blocking {
+        let acted = filter.alarms(context);
+        filter.remember(context, &acted);
+    }
     for output in machine.outputs.ids() {
-        let selection = filter.selection(context, output);
+        let selection = match (machine.safety.relief, filter.selected[output.index()]) {
+            (Relief::InOrder { .. }, Some(selected)) => Expr::Atom(selected),
+            (Relief::Together | Relief::InOrder { .. }, _) => filter.selection(output),
+        };
         let coil = context.outputs[output.index()];
         let comment = context.globals[coil].description.clone();
         rung(context, &mut filter.rungs, (coil, CoilKind::Plain), &selection, comment);
@@ -49,6 +67,8 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
 
 struct Filter {
     rungs: Vec<Rung>,
+    /// For each output, the command that counts.
+    taken: Vec<GlobalId>,
     /// For each output, whether simple constraints force it off or on: fs0 and fs1.
     off: Vec<Option<GlobalId>>,
     on: Vec<Option<GlobalId>>,
@@ -114,7 +134,7 @@ impl Filter {
             let about = (format!("constraint {}", constraint.name), constraint.span);
             let coil = self.coil(context, (word, &path), Role::Filter, about, text, &Expr::any(conditions));
             forced.entry((output, value)).or_default().push(Expr::Atom(coil));
-            let command = Expr::Atom(context.commands[output.index()]);
+            let command = Expr::Atom(self.taken[output.index()]);
             let against = if value { command.not() } else { command };
             self.alarms[id.index()].push(Expr::all([Expr::Atom(coil), against]));
         }
@@ -133,16 +153,10 @@ impl Filter {
     fn round(&mut self, context: &mut Context<'_>, reliefs: &Reliefs, round: usize) {
         let machine = context.machine;
         let mut relieved: BTreeMap<(OutputId, bool), Vec<Condition>> = BTreeMap::new();
-        let mut nth: BTreeMap<ConstraintId, usize> = BTreeMap::new();
         let due = |j: usize| reliefs.rounds[j] > round;
-        for (j, c) in reliefs.combined.iter().enumerate() {
-            let n = nth.entry(c.constraint).or_default();
-            *n += 1;
-            if !due(j) {
-                continue;
-            }
+        let paths = Self::paths(context, reliefs);
+        for ((_, c), path) in reliefs.combined.iter().enumerate().zip(paths).filter(|((j, _), _)| due(*j)) {
             let constraint = &machine.safety.constraints[c.constraint];
-            let path = if *n > 1 { format!("{}_{n}", constraint.name) } else { constraint.name.clone() };
             for literal in c.product.literals() {
                 if let Atom::Output(o) = literal.atom {
                     self.select(context, o, round);
@@ -178,12 +192,24 @@ impl Filter {
         }
     }
 
+    /// For each combined product, the name of its constraint, numbered from its second one on.
+    fn paths(context: &Context<'_>, reliefs: &Reliefs) -> Vec<String> {
+        let mut nth: BTreeMap<ConstraintId, usize> = BTreeMap::new();
+        let path = |c: &Combined| {
+            let n = nth.entry(c.constraint).or_default();
+            *n += 1;
+            let name = &context.machine.safety.constraints[c.constraint].name;
+            if *n > 1 { format!("{name}_{n}") } else { name.clone() }
+        };
+        reliefs.combined.iter().map(path).collect()
+    }
+
     /// Gives the output's selection in this round a coil, unless nothing has changed since the last.
     fn select(&mut self, context: &mut Context<'_>, output: OutputId, round: usize) {
         if self.selected[output.index()].is_some() {
             return;
         }
-        let condition = self.selection(context, output);
+        let condition = self.selection(output);
         let coil = match condition {
             // A command that nothing corrects is its own selection.
             Expr::Atom(command) => command,
@@ -197,16 +223,18 @@ impl Filter {
         self.selected[output.index()] = Some(coil);
     }
 
-    fn selection(&self, context: &Context<'_>, output: OutputId) -> Condition {
+    fn selection(&self, output: OutputId) -> Condition {
         let i = output.index();
         let is = |slot: Option<GlobalId>| slot.map_or(Expr::FALSE, Expr::Atom);
-        let command = Expr::all([is(self.yields[i]).not(), Expr::Atom(context.commands[i])]);
+        let command = Expr::all([is(self.yields[i]).not(), Expr::Atom(self.taken[i])]);
         Expr::any([Expr::all([is(self.off[i]).not(), Expr::any([command, is(self.raised[i])])]), is(self.on[i])])
     }
 
     /// One flag per constraint: it had to act in this scan.
-    fn alarms(&mut self, context: &mut Context<'_>) {
+    fn alarms(&mut self, context: &mut Context<'_>) -> Vec<GlobalId> {
         let machine = context.machine;
+        let (word, role) = if machine.safety.alarms() { ("Alarm", Role::Alarm) } else { ("Acts", Role::Acted) };
+        let mut flags = Vec::new();
         for (id, constraint) in machine.safety.constraints.iter() {
             let reasons = std::mem::take(&mut self.alarms[id.index()]);
             let text = if constraint.text.is_empty() {
@@ -215,8 +243,9 @@ impl Filter {
                 constraint.text.clone()
             };
             let about = (format!("constraint {}", constraint.name), constraint.span);
-            self.coil(context, ("Alarm", &constraint.name), Role::Alarm, about, text, &Expr::any(reasons));
+            flags.push(self.coil(context, (word, &constraint.name), role, about, text, &Expr::any(reasons)));
         }
+        flags
     }
 
     /// A product over selections, inputs, previous values and variables.

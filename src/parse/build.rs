@@ -430,11 +430,18 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
 }
 
 fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
-    let mut safety =
-        Safety { mode: Name { text: String::new(), span: span(&p) }, constraints: Vec::new(), assumptions: Vec::new() };
+    let mut safety = Safety {
+        mode: Name { text: String::new(), span: span(&p) },
+        in_order: None,
+        reset: None,
+        constraints: Vec::new(),
+        assumptions: Vec::new(),
+    };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::mode => safety.mode = name(p),
+            Rule::relief => safety.in_order = Some(span(&p)),
+            Rule::reset_by => safety.reset = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name),
             Rule::constraint => safety.constraints.push(constraint(p)),
             Rule::assumption => safety.assumptions.push(constraint(p)),
             Rule::bad_constraint => bad.push(p),
@@ -555,6 +562,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),
+        Rule::kw_blocked => Expr::Atom(Term::Blocked(place)),
         Rule::elapsed => Expr::Atom(Term::After(duration(inner))),
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
@@ -567,6 +575,8 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
                 "fall" => Term::Fall(argument),
                 "in" => Term::In(argument),
                 "alarm" => Term::Alarm(argument),
+                "acts" => Term::Acts(argument),
+                "first" => Term::First(argument),
                 _ => Term::DoneOf(argument),
             })
         }

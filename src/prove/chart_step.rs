@@ -38,15 +38,17 @@ pub struct ChartState {
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
+    /// What the filter remembers, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
+    pub marks: Vec<Lit>,
     /// For each integer, its value in as many bits as an INT has.
     pub integers: Vec<Vector>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers, integers.
+    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks, integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past, integers } = self;
-        let single = [active, variables, inputs, outputs, fresh, past].into_iter().flatten();
+        let ChartState { active, variables, inputs, outputs, fresh, past, marks, integers } = self;
+        let single = [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten();
         single.chain(integers.iter().flatten()).copied().collect()
     }
 }
@@ -109,6 +111,7 @@ impl<'m> ChartStep<'m> {
             outputs: vec![Lit::FALSE; m.outputs.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
+            marks: vec![Lit::FALSE; m.safety.marks().count()],
             integers: initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
@@ -330,7 +333,7 @@ impl<'m> ChartStep<'m> {
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
-        let filtered = chart_filter::filter(aig, m, &commands, &mut read, self.rounds);
+        let filtered = chart_filter::filter(aig, m, &commands, &before.marks, &mut read, self.rounds);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -338,8 +341,16 @@ impl<'m> ChartStep<'m> {
             past.push(aig.and(stays, elapsed[i]));
             begins.push(aig.and(before.active[s.index()], before.fresh[i]));
         }
-        let outputs = filtered.outputs;
-        let after = ChartState { active, variables, inputs: inputs.to_vec(), outputs, fresh, past, integers };
+        let after = ChartState {
+            active,
+            variables,
+            inputs: inputs.to_vec(),
+            outputs: filtered.outputs,
+            fresh,
+            past,
+            marks: filtered.marks,
+            integers,
+        };
         ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
     }
 }

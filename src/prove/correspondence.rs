@@ -5,7 +5,7 @@
 //! program: that the variable of this name does hold what the machine says is what is to be proved.
 
 use crate::base::Span;
-use crate::ir::chart::{Machine, StateId};
+use crate::ir::chart::{Machine, Mark, StateId};
 use crate::ir::plc::{Body, Project, Role};
 use std::collections::BTreeMap;
 
@@ -29,6 +29,9 @@ pub struct Correspondence {
     pub commands: Vec<Option<String>>,
     /// The global for each constraint that is TRUE when it had to act.
     pub acted: Vec<Option<String>>,
+    /// The global for each thing that the filter remembers, in the order of
+    /// [`Safety::marks`](crate::ir::chart::Safety::marks).
+    pub marks: Vec<Option<String>>,
     /// The global for each assumption that is TRUE when the plant breaks it.
     pub broken: Vec<Option<String>>,
     /// For each state and time in milliseconds that a guard waits for, the program that holds its timer,
@@ -75,6 +78,7 @@ impl Correspondence {
         }
         let flags: Vec<String> =
             machine.states.iter().map(|(id, s)| or_own(Role::StepFlag, s.span, &machine.state_path(id))).collect();
+        let acted = if machine.safety.alarms() { Role::Alarm } else { Role::Acted };
         Correspondence {
             inputs: machine.inputs.values().map(|i| or_own(Role::Input, i.span, &i.name)).collect(),
             outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
@@ -83,7 +87,15 @@ impl Correspondence {
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
-            acted: machine.safety.constraints.values().map(|c| find(Role::Alarm, c.span)).collect(),
+            acted: machine.safety.constraints.values().map(|c| find(acted, c.span)).collect(),
+            marks: machine
+                .safety
+                .marks()
+                .map(|mark| match mark {
+                    Mark::Noted => find(Role::Noted, machine.safety.span),
+                    Mark::First(c) => find(Role::First, machine.safety.constraints[c].span),
+                })
+                .collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),
             timers,
         }
@@ -101,6 +113,9 @@ fn rank(role: Role) -> u8 {
         Role::Command => 5,
         Role::Filter => 6,
         Role::Alarm => 7,
-        Role::Interim => 8,
+        Role::Acted => 8,
+        Role::Noted => 9,
+        Role::First => 10,
+        Role::Interim => 11,
     }
 }

@@ -230,6 +230,7 @@ impl<'a> Both<'a> {
             outputs: none(pair.machine.outputs.len()),
             fresh: none(timers),
             past: none(timers),
+            marks: none(pair.machine.safety.marks().count()),
             integers: super::chart_step::initial(pair.machine),
         };
         let program = pair.program.power_up();

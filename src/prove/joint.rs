@@ -99,6 +99,7 @@ impl Joint {
             outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
+            marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
             integers: machine
                 .integers
                 .values()

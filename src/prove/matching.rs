@@ -81,7 +81,8 @@ impl Match {
         let commands = machine.outputs.ids().map(Part::Command).zip(&names.commands);
         let acted = machine.safety.constraints.ids().map(Part::Acted).zip(&names.acted);
         let broken = (0..names.broken.len()).map(Part::Broken).zip(&names.broken);
-        for (part, name) in commands.chain(acted).chain(broken) {
+        let marks = machine.safety.marks().enumerate().map(|(i, mark)| Part::Mark(mark, i)).zip(&names.marks);
+        for (part, name) in commands.chain(acted).chain(broken).chain(marks) {
             if let Some(name) = name {
                 add(part, name)?;
             }

@@ -3,7 +3,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, InputId, IntegerId, Machine, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, InputId, IntegerId, Machine, Mark, OutputId, StateId, VariableId};
 
 /// How many bits an integer has: those of an INT.
 pub const WIDTH: u8 = 16;
@@ -27,6 +27,8 @@ pub enum Part {
     Acted(ConstraintId),
     /// Whether the plant breaks the assumption of that index.
     Broken(usize),
+    /// What the filter remembers, and its place among the marks.
+    Mark(Mark, usize),
     /// What was sampled of the input.
     Input(InputId),
     /// Whether this is the scan from which the timer counts.
@@ -55,6 +57,7 @@ impl Part {
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
+            Part::Mark(_, i) => scan.after.marks[i],
             Part::Input(i) => scan.after.inputs[i.index()],
             Part::Begins(t) => scan.begins[t.index],
         }
@@ -70,6 +73,7 @@ impl Part {
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
+            Part::Mark(mark, _) => machine.mark(mark),
             Part::Input(i) => format!("input {}", machine.inputs[i].name),
             Part::Begins(t) => format!("start of the time in {}", machine.state_path(t.state)),
         }
@@ -83,6 +87,7 @@ impl Part {
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
             Part::Bit(i, bit) => Some(Meaning::Bit(i, bit, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
+            Part::Mark(mark, i) => Some(Meaning::Mark(mark, i, true)),
             Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
     }
@@ -102,6 +107,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// What the filter remembers, and its place among the marks.
+    Mark(Mark, usize, bool),
     /// That bit of the integer's value.
     Bit(IntegerId, u8, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
@@ -119,6 +126,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
             Meaning::Bit(i, bit, same) => state.integers[i.index()][usize::from(bit)].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
@@ -134,6 +142,7 @@ impl Meaning {
             | Meaning::Input(..)
             | Meaning::Output(..)
             | Meaning::Variable(..)
+            | Meaning::Mark(..)
             | Meaning::Bit(..) => Lit::TRUE,
         }
     }
@@ -147,6 +156,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
             Meaning::Bit(i, bit, same) => Meaning::Bit(i, bit, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
@@ -159,8 +169,9 @@ impl Meaning {
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
         let variables = machine.variables.ids().map(|v| Meaning::Variable(v, true));
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
+        let marks = machine.safety.marks().enumerate().map(|(i, mark)| Meaning::Mark(mark, i, true));
         let bits = machine.integers.ids().flat_map(|i| (0..WIDTH).map(move |bit| Meaning::Bit(i, bit, true)));
-        inputs.chain(outputs).chain(variables).chain(states).chain(bits).collect()
+        inputs.chain(outputs).chain(variables).chain(states).chain(marks).chain(bits).collect()
     }
 
     /// What it is, in the model's names.
@@ -171,6 +182,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
             Meaning::Bit(i, bit, same) => (same, format!("bit {bit} of integer {}", machine.integers[i].name)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),

@@ -132,7 +132,8 @@ impl fmt::Display for Trace {
                     | Part::Variable(_)
                     | Part::Command(_)
                     | Part::Acted(_)
-                    | Part::Broken(_) => {
+                    | Part::Broken(_)
+                    | Part::Mark(..) => {
                         changes(chart, before.map(|b| b.chart[i])) || changes(program, before.map(|b| b.program[i]))
                     }
                 };

@@ -62,12 +62,21 @@ impl Resolver {
                     Expr::FALSE
                 }
             },
-            Term::Alarm(path) => {
+            Term::Alarm(path) | Term::Acts(path) | Term::First(path) => {
                 self.misplaced(
-                    "only a scenario asks for alarms",
+                    "only a scenario asks what constraints do",
                     path.span(),
                     "not allowed here",
                     "say it by what the constraint says",
+                );
+                Expr::FALSE
+            }
+            Term::Blocked(span) => {
+                self.misplaced(
+                    "only a scenario asks whether the machine is blocked",
+                    *span,
+                    "not allowed here",
+                    "charts run on while it is, as if nobody looked at what they command",
                 );
                 Expr::FALSE
             }

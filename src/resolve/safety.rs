@@ -4,7 +4,7 @@ use super::Resolver;
 use super::expressions::Context;
 use super::names::describe;
 use crate::base::{Code, Diagnostic, Span, iec, limits};
-use crate::ir::chart::{self, Atom, Guard, outputs_of};
+use crate::ir::chart::{self, Atom, FilterMode, Guard, Relief, outputs_of};
 use crate::ir::{ast, sop::Product, sop::Sum};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -19,7 +19,7 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
                     .label(tree.safety[0].mode.span, "first given here"),
             );
         }
-        r.machine.safety.mode = mode(r, &safety.mode);
+        head(r, safety);
         for written in safety.constraints.iter().chain(&safety.assumptions) {
             r.legal(&written.name);
             match names.entry(iec::fold(&written.name.text)) {
@@ -55,16 +55,43 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     }
 }
 
-fn mode(r: &mut Resolver, written: &ast::Name) -> Option<chart::FilterMode> {
+/// What stands before the braces.
+fn head(r: &mut Resolver, written: &ast::Safety) {
+    let span = written.mode.span;
+    let mode = mode(r, &written.mode);
+    let reset = written.reset.as_ref().and_then(|name| r.input(name));
+    match (mode, &written.reset) {
+        (Some(FilterMode::Blocking), None) => {
+            let d = Diagnostic::new(Code::BadReset, "nothing ends the stop of a blocking filter")
+                .label(span, "the first violation stops the machine")
+                .help("name an input: `safety blocking reset by Acknowledge { … }`");
+            r.diagnostics.push(d);
+        }
+        (Some(FilterMode::Controller), Some(name)) => {
+            let d = Diagnostic::new(Code::BadReset, "there is nothing to reset")
+                .label(name.span, "a controller's corrections are normal, and none of them is remembered")
+                .help("leave it out, or write `supervisor` if corrections should be noted");
+            r.diagnostics.push(d);
+        }
+        _ => {}
+    }
+    let relief = if written.in_order.is_some() { Relief::InOrder { sweeps: 0 } } else { Relief::Together };
+    let safety = &mut r.machine.safety;
+    (safety.mode, safety.span, safety.relief, safety.reset) = (mode, span, relief, reset);
+}
+
+fn mode(r: &mut Resolver, written: &ast::Name) -> Option<FilterMode> {
     match written.text.as_str() {
-        "supervisor" => Some(chart::FilterMode::Supervisor),
+        "blocking" => Some(FilterMode::Blocking),
+        "supervisor" => Some(FilterMode::Supervisor),
+        "controller" => Some(FilterMode::Controller),
         other => {
             r.diagnostics.push(
                 Diagnostic::new(Code::UnknownName, format!("there is no filter mode `{other}`"))
                     .label(written.span, "not known")
-                    .help(
-                        "write `supervisor`: outputs are corrected, the program goes on, each correction is an alarm",
-                    ),
+                    .help("`supervisor`: outputs are corrected, the program goes on, each correction is an alarm")
+                    .help("`controller`: the same, and a correction is normal")
+                    .help("`blocking reset by INPUT`: a violation stops the machine until the input rises"),
             );
             None
         }

@@ -3,9 +3,9 @@
 use super::Resolver;
 use super::expressions::Context;
 use super::names::Symbol;
-use crate::base::{Code, Diagnostic, iec, limits};
+use crate::base::{Code, Diagnostic, Span, iec, limits};
 use crate::ir::ast::{self, PathRef, Term, TimeUnit};
-use crate::ir::chart::ActuatorId;
+use crate::ir::chart::{ActuatorId, ConstraintId, FilterMode, Mark};
 use crate::ir::expr::Expr;
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 
@@ -28,6 +28,9 @@ impl Resolver {
                 self.bit(path).map_or(Expr::FALSE, |b| Expr::all([before(b), now(b).not()]))
             }
             Term::Alarm(path) if matches!(context, Context::Expectation) => self.alarm(path),
+            Term::Acts(path) if matches!(context, Context::Expectation) => self.acts(path),
+            Term::First(path) if matches!(context, Context::Expectation) => self.first(path),
+            Term::Blocked(span) if matches!(context, Context::Expectation) => self.blocked(*span),
             Term::Value(_)
             | Term::Compare(..)
             | Term::Prev(_)
@@ -37,6 +40,9 @@ impl Resolver {
             | Term::DoneOf(_)
             | Term::Done(_)
             | Term::Alarm(_)
+            | Term::Acts(_)
+            | Term::First(_)
+            | Term::Blocked(_)
             | Term::After(_) => self.term(term, context).map(&mut |atom| Expr::Atom(Seen::Machine(*atom))),
         }
     }
@@ -50,21 +56,73 @@ impl Resolver {
     }
 
     fn alarm(&mut self, path: &PathRef) -> Condition {
-        let name = path.parts.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
+        let name = dotted(path);
         let folded = iec::fold(&name);
         let safety = &self.machine.safety;
-        if let Some((id, _)) = safety.constraints.iter().find(|(_, c)| iec::fold(&c.name) == folded) {
-            return Expr::Atom(Seen::Acted(id));
-        }
         if let Some(i) = safety.assumptions.iter().position(|a| iec::fold(&a.name) == folded) {
             return Expr::Atom(Seen::Broken(i));
         }
-        self.diagnostics.push(
-            Diagnostic::new(Code::UnknownName, format!("there is no constraint `{name}`"))
-                .label(path.span(), "not declared")
-                .help("`alarm` asks for a constraint or an assumption of the safety part"),
+        match self.constraint(path, "`alarm` asks for a constraint or an assumption of the safety part") {
+            Some(_) if !self.machine.safety.alarms() => {
+                self.misplaced(
+                    &format!("`{name}` raises no alarm"),
+                    path.span(),
+                    "to a controller a correction is normal",
+                    &format!("to ask whether it corrects, write `acts({name})`"),
+                );
+                Expr::FALSE
+            }
+            Some(id) => Expr::Atom(Seen::Acted(id)),
+            None => Expr::FALSE,
+        }
+    }
+
+    fn acts(&mut self, path: &PathRef) -> Condition {
+        let id = self.constraint(path, "`acts` asks for a constraint of the safety part");
+        id.map_or(Expr::FALSE, |id| Expr::Atom(Seen::Acted(id)))
+    }
+
+    fn first(&mut self, path: &PathRef) -> Condition {
+        let id = self.constraint(path, "`first` asks for a constraint of the safety part");
+        if id.is_some() && self.machine.safety.reset.is_none() {
+            self.misplaced(
+                "which constraint acted first is not remembered",
+                path.span(),
+                "nothing would make the filter forget it",
+                "name an input that does: `safety supervisor reset by Acknowledge { … }`",
+            );
+            return Expr::FALSE;
+        }
+        id.map_or(Expr::FALSE, |id| Expr::Atom(Seen::Mark(Mark::First(id))))
+    }
+
+    fn blocked(&mut self, span: Span) -> Condition {
+        if self.machine.safety.mode == Some(FilterMode::Blocking) {
+            return Expr::Atom(Seen::Mark(Mark::Noted));
+        }
+        self.misplaced(
+            "this machine is never blocked",
+            span,
+            "only a blocking filter stops it",
+            "write `safety blocking reset by INPUT { … }`",
         );
         Expr::FALSE
+    }
+
+    /// The constraint that a path means; reports one that means none.
+    fn constraint(&mut self, path: &PathRef, help: &str) -> Option<ConstraintId> {
+        let name = dotted(path);
+        let folded = iec::fold(&name);
+        let found = self.machine.safety.constraints.iter().find(|(_, c)| iec::fold(&c.name) == folded);
+        let found = found.map(|(id, _)| id);
+        if found.is_none() {
+            self.diagnostics.push(
+                Diagnostic::new(Code::UnknownName, format!("there is no constraint `{name}`"))
+                    .label(path.span(), "not declared")
+                    .help(help),
+            );
+        }
+        found
     }
 
     /// The input or hidden bit of that name, or an error.
@@ -131,4 +189,8 @@ impl Resolver {
     pub fn bad_time(&mut self, what: &str, span: crate::base::Span) {
         self.diagnostics.push(Diagnostic::new(Code::BadScans, what).label(span, "out of range"));
     }
+}
+
+fn dotted(path: &PathRef) -> String {
+    path.parts.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".")
 }

@@ -32,7 +32,7 @@ mod filter;
 mod integers;
 mod steps;
 
-use crate::ir::chart::{ConstraintId, InputId, IntegerId, Machine, OutputId, StateId, TransitionId, VariableId};
+use crate::ir::chart::{ConstraintId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
 use integers::Integers;
@@ -309,6 +309,11 @@ impl Chart {
         self.filter.acted(constraint)
     }
 
+    /// What the filter remembers after the last scan.
+    pub fn mark(&self, mark: Mark) -> bool {
+        self.filter.mark(mark)
+    }
+
     /// Whether the assumption of that index was broken in the last scan.
     pub fn broken(&self, assumption: usize) -> bool {
         self.broken[assumption]
@@ -316,7 +321,7 @@ impl Chart {
 
     /// In how many rounds the filter decided in the last scan; 1 when no combined constraint acted.
     pub fn filter_rounds(&self) -> usize {
-        self.filter.rounds()
+        self.filter.count()
     }
 
     /// Whether the filter found no way to keep all constraints in the last scan. That takes a broken

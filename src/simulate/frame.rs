@@ -1,6 +1,8 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{Atom, ConstraintId, InputId, IntegerId, Machine, OutputId, StateId, StateKind, VariableId};
+use crate::ir::chart::{
+    Atom, ConstraintId, InputId, IntegerId, Machine, Mark, OutputId, StateId, StateKind, VariableId,
+};
 use crate::ir::number::{Number, Relation};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
@@ -14,13 +16,14 @@ pub struct Layout {
     states: usize,
     acted: usize,
     broken: usize,
+    marks: usize,
     integers: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
-/// alarms of constraints, alarms of assumptions, and each integer as the [`WIDTH`] bits of its two's
-/// complement, the lowest first.
+/// alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the [`WIDTH`]
+/// bits of its two's complement, the lowest first.
 pub type Frame = Vec<bool>;
 
 /// How many places an integer takes: those of an INT.
@@ -35,9 +38,10 @@ impl Layout {
         let states = variables + machine.variables.len();
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
-        let integers = broken + machine.safety.assumptions.len();
+        let marks = broken + machine.safety.assumptions.len();
+        let integers = marks + machine.safety.marks().count();
         let len = integers + machine.integers.len() * WIDTH;
-        Layout { bits, outputs, variables, states, acted, broken, integers, len }
+        Layout { bits, outputs, variables, states, acted, broken, marks, integers, len }
     }
 
     /// A frame with all values FALSE.
@@ -72,7 +76,12 @@ impl Layout {
 
     /// The places of alarms, of constraints and then of assumptions.
     pub fn alarms(&self) -> Range<usize> {
-        self.acted..self.integers
+        self.acted..self.marks
+    }
+
+    /// The places of what the filter remembers.
+    pub fn marks(&self) -> Range<usize> {
+        self.marks..self.integers
     }
 
     /// The place of an input.
@@ -116,6 +125,14 @@ impl Layout {
     /// The place of an assumption's alarm.
     pub fn broken(&self, assumption: usize) -> usize {
         self.broken + assumption
+    }
+
+    /// The place of something that the filter remembers.
+    pub fn mark(&self, mark: Mark) -> usize {
+        match mark {
+            Mark::Noted => self.marks,
+            Mark::First(c) => self.marks + 1 + c.index(),
+        }
     }
 
     /// The value of an integer in a frame.
@@ -175,6 +192,7 @@ impl Layout {
             Seen::PrevBit(b) => before[self.bit(b)],
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],
+            Seen::Mark(mark) => now[self.mark(mark)],
         }
     }
 

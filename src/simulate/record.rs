@@ -3,6 +3,7 @@
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
 use crate::ir::chart::{IntegerId, Machine, StateId};
+use crate::ir::scenario::Seen;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
@@ -39,7 +40,7 @@ impl Recording {
     }
 
     /// The scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
-    /// became FALSE with `-`, integers with their new values, elementary states that were entered and left, alarms with `!`.
+    /// became FALSE with `-`, integers with their new values, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
     pub fn table(&self, machine: &Machine, most: usize) -> String {
         let names = Names::of(machine);
         let mut rows: Vec<[String; 5]> = Vec::new();
@@ -60,7 +61,8 @@ impl Recording {
     }
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
-    /// `in(…)`, alarm as `alarm(…)` and integer.
+    /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, what the filter remembers,
+    /// and integer.
     pub fn csv(&self, machine: &Machine) -> String {
         let layout = Layout::of(machine);
         let mut out = String::from("scan");
@@ -89,10 +91,16 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.outputs.values().map(|o| o.name.clone()));
     names.extend(machine.variables.values().map(|v| v.name.clone()));
     names.extend(paths(machine).into_iter().map(|path| format!("in({path})")));
-    names.extend(machine.safety.constraints.values().map(|c| format!("alarm({})", c.name)));
+    names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
+    names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
     names.extend(machine.integers.values().map(|i| i.name.clone()));
     names
+}
+
+/// What a column asks about: `S1` for `alarm(S1)`, the column itself if it is a name.
+pub fn bare(column: &str) -> &str {
+    column.split_once('(').map_or(column, |(_, inner)| inner.trim_end_matches(')'))
 }
 
 /// For each state its path, with the name of its chart before it where another chart has the same path.
@@ -162,9 +170,11 @@ impl Names {
             }
         }
         for i in self.layout.alarms().filter(|&i| now[i] && !was(i)) {
-            let name = self.columns[i].trim_start_matches("alarm(").trim_end_matches(')');
-            cells[1].push(format!("!{name}"));
+            let column = &self.columns[i];
+            cells[1].push(format!("{}{}", if column.starts_with("alarm(") { '!' } else { '~' }, bare(column)));
         }
+        let marks = self.layout.marks().filter(|&i| was(i) != now[i]);
+        cells[1].extend(marks.map(|i| sign(now[i], &self.columns[i])));
         for leaves in [true, false] {
             for &state in &self.elementary {
                 let i = self.layout.state(state);

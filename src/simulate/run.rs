@@ -5,7 +5,7 @@ use super::frame::{Frame, Layout};
 use super::plant::Plant;
 use super::plc::Plc;
 use crate::base::Span;
-use crate::ir::chart::{Atom, ComparisonId, InputId, IntegerId, Machine};
+use crate::ir::chart::{Atom, ComparisonId, InputId, IntegerId, Machine, Mark};
 use crate::ir::number::Comparison;
 use crate::ir::plc::{self, Role};
 use crate::ir::scenario::{Condition, Seen};
@@ -73,10 +73,23 @@ impl Program {
             show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
         }
         for (id, c) in machine.safety.constraints.iter() {
-            show(layout.acted(id), find(Role::Alarm, &c.name, c.span));
+            let role = if machine.safety.alarms() { Role::Alarm } else { Role::Acted };
+            show(layout.acted(id), find(role, &c.name, c.span));
         }
         for (i, a) in machine.safety.assumptions.iter().enumerate() {
             show(layout.broken(i), find(Role::Alarm, &a.name, a.span));
+        }
+        for mark in machine.safety.marks() {
+            show(
+                layout.mark(mark),
+                match mark {
+                    Mark::Noted => find(Role::Noted, "filter", machine.safety.span),
+                    Mark::First(c) => {
+                        let constraint = &machine.safety.constraints[c];
+                        find(Role::First, &constraint.name, constraint.span)
+                    }
+                },
+            );
         }
         Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers }))
     }
@@ -103,6 +116,9 @@ impl Program {
                 }
                 for i in 0..machine.safety.assumptions.len() {
                     frame[layout.broken(i)] = chart.broken(i);
+                }
+                for mark in machine.safety.marks() {
+                    frame[layout.mark(mark)] = chart.mark(mark);
                 }
             }
             Program::Plc(wired) => {

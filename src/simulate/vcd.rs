@@ -1,11 +1,12 @@
 //! A recording to a value change dump, which GTKWave and Surfer show.
 //!
-//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `integers`, `alarms`, then one for each chart that follows its
+//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `integers`, `alarms`,
+//! `filter`, then one for each chart that follows its
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
 use super::frame::{Frame, Layout, WIDTH};
-use super::record::{Recording, columns};
+use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
 use crate::ir::chart::{IntegerId, Machine, RegionId};
 use std::ops::Range;
@@ -61,6 +62,7 @@ impl Dump<'_> {
             self.writer.upscope().expect(MEMORY);
         }
         self.group("alarms", alarms);
+        self.group("filter", layout.marks());
         for chart in &machine.charts {
             self.writer.add_module(&chart.name).expect(MEMORY);
             for &region in &chart.regions {
@@ -79,7 +81,7 @@ impl Dump<'_> {
         let columns = columns(self.machine);
         self.writer.add_module(name).expect(MEMORY);
         for place in places {
-            let name = columns[place].trim_start_matches("alarm(").trim_end_matches(')');
+            let name = bare(&columns[place]);
             let id = self.writer.add_wire(1, name).expect(MEMORY);
             self.bits.push((id, place));
         }

@@ -65,6 +65,7 @@ impl<'a> Simulated<'a> {
             Part::Command(o) => self.chart.command(o),
             Part::Acted(c) => self.chart.acted(c),
             Part::Broken(a) => self.chart.broken(a),
+            Part::Mark(mark, _) => self.chart.mark(mark),
             Part::Input(i) => self.chart.input(i),
             Part::Begins(_) => return None,
         })
@@ -86,6 +87,7 @@ impl<'a> Simulated<'a> {
             Part::Command(o) => self.names.commands[o.index()].as_ref(),
             Part::Acted(c) => self.names.acted[c.index()].as_ref(),
             Part::Broken(a) => self.names.broken[a].as_ref(),
+            Part::Mark(_, i) => self.names.marks[i].as_ref(),
             Part::Input(i) => Some(&self.names.inputs[i.index()]),
             Part::Bit(i, bit) => {
                 let id = self.program.global(&self.names.integers[i.index()])?;

@@ -2,7 +2,7 @@
 //! its meaning, and against the program that the model is compiled to.
 
 use super::rng::Rng;
-use chartwright::ir::chart::{Atom, ConstraintId, IntegerId, Machine, OutputId, StateId, VariableId};
+use chartwright::ir::chart::{Atom, ConstraintId, FilterMode, IntegerId, Machine, Mark, OutputId, StateId, VariableId};
 use chartwright::ir::iec::VarId;
 use chartwright::ir::number::{Number, Range};
 use chartwright::ir::plc::Role;
@@ -41,6 +41,8 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
     let (mut chart, mut again) = (Chart::new(&machine), Chart::new(&machine));
     let mut inputs = Inputs::new(&machine, seed);
     let mut before: Option<Vec<bool>> = None;
+    // Which constraints acted first, since the last reset.
+    let mut noted: Option<Vec<bool>> = None;
     let mut past = vec![false; machine.outputs.len()];
     for scan in 1..=scans {
         let now = inputs.next().to_vec();
@@ -91,8 +93,33 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
                 return wrong(format!("the outputs violate `{}`", constraint.name));
             }
         }
-        if !acted && machine.outputs.ids().any(|o| chart.output(o) != chart.command(o)) {
+        let stopped = machine.safety.mode == Some(FilterMode::Blocking) && chart.mark(Mark::Noted);
+        if !acted && !stopped && machine.outputs.ids().any(|o| chart.output(o) != chart.command(o)) {
             return wrong("an output is not as commanded, and nothing has acted".into());
+        }
+        if machine.safety.mode == Some(FilterMode::Blocking) {
+            let commanded = |atom: &Atom| match *atom {
+                Atom::Output(o) => chart.command(o),
+                ref other => value(other),
+            };
+            let acts = |c: ConstraintId| machine.safety.constraints[c].never.eval(&mut |a| commanded(a));
+            if let Some(c) = machine.safety.constraints.ids().find(|&c| acts(c) != chart.acted(c)) {
+                return wrong(format!("`{}` acts: {}", machine.safety.constraints[c].name, acts(c)));
+            }
+        }
+        if let Some(reset) = machine.safety.reset {
+            let rises = now[reset.index()] && before.as_ref().is_some_and(|b| !b[reset.index()]);
+            let kept = noted.is_some() && !rises;
+            let first = |c| chart.mark(Mark::First(c));
+            let acting: Vec<bool> = machine.safety.constraints.ids().map(|c| chart.acted(c)).collect();
+            if !kept {
+                noted = acted.then_some(acting);
+            }
+            let expected = |c: ConstraintId| noted.as_ref().is_some_and(|n| n[c.index()]);
+            let right = chart.mark(Mark::Noted) == noted.is_some();
+            if !right || machine.safety.constraints.ids().any(|c| first(c) != expected(c)) {
+                return wrong("what the filter remembers is not what it should".into());
+            }
         }
         let same = chart.active().eq(again.active())
             && chart.fired() == again.fired()
@@ -132,6 +159,7 @@ enum Meaning {
     Output(OutputId),
     Alarm(ConstraintId),
     Broken(usize),
+    Mark(Mark),
 }
 
 impl Meaning {
@@ -144,6 +172,7 @@ impl Meaning {
             Meaning::Output(o) => chart.output(o),
             Meaning::Alarm(c) => chart.acted(c),
             Meaning::Broken(a) => chart.broken(a),
+            Meaning::Mark(mark) => chart.mark(mark),
         })
     }
 }
@@ -175,7 +204,11 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
                 .or_else(|| find(machine.integers.iter(), |i| Some(i.span) == span).map(Meaning::Integer)),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
-            Role::Alarm => {
+            Role::Noted => Some(Meaning::Mark(Mark::Noted)),
+            Role::First => {
+                find(machine.safety.constraints.iter(), |c| Some(c.span) == span).map(|c| Meaning::Mark(Mark::First(c)))
+            }
+            Role::Alarm | Role::Acted => {
                 find(machine.safety.constraints.iter(), |c| Some(c.span) == span).map(Meaning::Alarm).or_else(|| {
                     let assumptions = &machine.safety.assumptions;
                     assumptions.iter().position(|a| Some(a.span) == span).map(Meaning::Broken)
@@ -188,7 +221,9 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
         .chain(machine.integers.ids().map(Meaning::Integer))
-        .chain(machine.outputs.ids().map(Meaning::Output));
+        .chain(machine.outputs.ids().map(Meaning::Output))
+        .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
+        .chain(machine.safety.marks().map(Meaning::Mark));
     for meaning in wanted {
         let names: Vec<&str> = meanings.iter().filter(|(_, m)| *m == meaning).map(|(n, _)| n.as_str()).collect();
         if names.len() != 1 {

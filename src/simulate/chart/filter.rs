@@ -15,9 +15,17 @@
 //!
 //! A checked machine whose assumptions hold always gets there. If one does not, the last `o` stands and
 //! [`Filter::failed`] says so.
+//!
+//! With `relief in-order` there are no rounds but sweeps. `o` begins as `not fs0 and command or fs1`. A
+//! sweep looks at each combined product in its turn, and if it is TRUE under `o`, the outputs that yield
+//! change in `o` at once, unless a simple product holds them. After as many sweeps as the machine says,
+//! `o` stands.
+//!
+//! A blocking filter first holds the commands themselves against all products, which says which constraints
+//! act, and whether commands count as FALSE.
 
 use super::code::{Code, HALF, Layout, Test, append, part};
-use crate::ir::chart::{ConstraintId, Machine, OutputId, outputs_of};
+use crate::ir::chart::{ConstraintId, FilterMode, InputId, Machine, Mark, OutputId, Relief, outputs_of};
 use std::ops::Range;
 
 /// A simple product: what an output must be while the tests hold.
@@ -60,6 +68,15 @@ pub struct Filter {
     yielded: Vec<Forced>,
     /// One bit for each constraint that had to act.
     acted: Vec<u64>,
+    mode: FilterMode,
+    relief: Relief,
+    /// Whose rising edge is the reset.
+    reset: Option<InputId>,
+    /// Whether a constraint has acted since the last reset, and one bit for each that did so first.
+    noted: bool,
+    first_acted: Vec<u64>,
+    /// Commands that count.
+    taken: Vec<u32>,
     rounds: u32,
     failed: bool,
 }
@@ -77,6 +94,12 @@ impl Filter {
             simple: vec![Forced::default(); words],
             yielded: vec![Forced::default(); words],
             acted: vec![0; machine.safety.constraints.len().div_ceil(64)],
+            mode: machine.safety.mode.unwrap_or(FilterMode::Supervisor),
+            relief: machine.safety.relief,
+            reset: machine.safety.reset,
+            noted: false,
+            first_acted: vec![0; machine.safety.constraints.len().div_ceil(64)],
+            taken: vec![0; words],
             rounds: 0,
             failed: false,
         };
@@ -112,6 +135,33 @@ impl Filter {
     /// Decides the outputs in `words`; `commands` has a word of 32 for each word of outputs.
     pub fn decide(&mut self, words: &mut [u64], commands: &[u32]) {
         self.acted.fill(0);
+        self.force(words, commands);
+        self.failed = self.simple.iter().any(|f| f.off & f.on != 0);
+        let edge = |i: InputId| words[i.index() / HALF] >> (i.index() % HALF) & (1 | 1 << HALF) == 1;
+        let held = self.noted && !self.reset.is_some_and(edge);
+        self.taken.copy_from_slice(commands);
+        if self.mode == FilterMode::Blocking {
+            self.judge(words);
+            if held || self.acted.iter().any(|&a| a != 0) {
+                self.taken.fill(0);
+            }
+        }
+        let by_commands = self.acted.clone();
+        match self.relief {
+            Relief::Together => self.rounds(words),
+            Relief::InOrder { sweeps } => self.sweeps(words, sweeps),
+        }
+        if self.mode == FilterMode::Blocking {
+            self.acted = by_commands;
+        }
+        if self.reset.is_some() && !held {
+            self.noted = self.acted.iter().any(|&a| a != 0);
+            self.first_acted.copy_from_slice(&self.acted);
+        }
+    }
+
+    /// What simple products demand, and which of them the commands violate.
+    fn force(&mut self, words: &[u64], commands: &[u32]) {
         self.simple.fill(Forced::default());
         for f in &self.forcings {
             if part(&self.tests, &f.tests).iter().all(|t| t.holds(words)) {
@@ -122,15 +172,51 @@ impl Filter {
                 }
             }
         }
-        self.failed = self.simple.iter().any(|f| f.off & f.on != 0);
+    }
+
+    /// Which combined products the commands violate.
+    fn judge(&mut self, words: &mut [u64]) {
+        for (word, &taken) in words[self.first..].iter_mut().zip(&self.taken) {
+            put(word, taken);
+        }
+        for c in &self.combined {
+            if part(&self.tests, &c.tests).iter().all(|t| t.holds(words)) {
+                mark(&mut self.acted, c.constraint);
+            }
+        }
+    }
+
+    fn sweeps(&mut self, words: &mut [u64], sweeps: usize) {
+        for ((word, s), &taken) in words[self.first..].iter_mut().zip(&self.simple).zip(&self.taken) {
+            put(word, !s.off & taken | s.on);
+        }
+        self.rounds = 1;
+        let mut violated = !self.combined.is_empty();
+        while violated && self.rounds as usize <= sweeps {
+            violated = false;
+            for c in &self.combined {
+                if part(&self.tests, &c.tests).iter().all(|t| t.holds(words)) {
+                    violated = true;
+                    mark(&mut self.acted, c.constraint);
+                    for &(i, relief) in part(&self.reliefs, &c.reliefs) {
+                        let (word, s) = (&mut words[self.first + i as usize], self.simple[i as usize]);
+                        put(word, (*word as u32 | relief.on & !s.off) & !(relief.off & !s.on));
+                    }
+                }
+            }
+            self.rounds += u32::from(violated);
+        }
+        self.failed |= self.combined.iter().any(|c| part(&self.tests, &c.tests).iter().all(|t| t.holds(words)));
+    }
+
+    fn rounds(&mut self, words: &mut [u64]) {
         self.yielded.fill(Forced::default());
         self.rounds = 0;
         loop {
             self.rounds += 1;
-            for (i, word) in words[self.first..][..commands.len()].iter_mut().enumerate() {
+            for (i, word) in words[self.first..][..self.taken.len()].iter_mut().enumerate() {
                 let (s, c) = (self.simple[i], self.yielded[i]);
-                let decided = !s.off & (!c.off & commands[i] | c.on) | s.on;
-                *word = *word & !u64::from(u32::MAX) | u64::from(decided);
+                put(word, !s.off & (!c.off & self.taken[i] | c.on) | s.on);
             }
             let mut violated = false;
             for c in &self.combined {
@@ -159,8 +245,16 @@ impl Filter {
         self.acted[constraint.index() / 64] >> (constraint.index() % 64) & 1 == 1
     }
 
+    /// What is remembered after this scan.
+    pub fn mark(&self, mark: Mark) -> bool {
+        match mark {
+            Mark::Noted => self.noted,
+            Mark::First(c) => self.first_acted[c.index() / 64] >> (c.index() % 64) & 1 == 1,
+        }
+    }
+
     /// How many rounds this scan took; 1 when no combined product was violated.
-    pub fn rounds(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.rounds as usize
     }
 
@@ -169,6 +263,11 @@ impl Filter {
     pub fn failed(&self) -> bool {
         self.failed
     }
+}
+
+/// Replaces the outputs of this scan in a word that also holds those of the scan before.
+fn put(word: &mut u64, outputs: u32) {
+    *word = *word & !u64::from(u32::MAX) | u64::from(outputs);
 }
 
 /// The word of an output among those of outputs, and its bit there.

@@ -219,9 +219,56 @@ impl Model {
         }
         self.rng.shuffle(&mut variables);
         let count = self.rng.between(1, variables.len().min(2));
-        let effects: Vec<String> =
-            variables[..count].iter().map(|v| format!("{} Var{v}", self.rng.pick(&["set", "reset"]))).collect();
+        let effects: Vec<String> = variables[..count].iter().map(|&v| self.deed(v)).collect();
         Some(effects.join(", "))
+    }
+
+    /// What becomes of a variable or integer.
+    fn deed(&mut self, variable: usize) -> String {
+        let Some(integer) = variable.checked_sub(self.variables) else {
+            return format!("{} Var{variable}", self.rng.pick(&["set", "reset"]));
+        };
+        let value = match self.rng.below(10) {
+            0..=4 => {
+                let (lowest, highest) = self.integers[integer];
+                let most = (highest - lowest).min(3) as usize;
+                format!("Int{integer} {} {}", self.rng.pick(&["+", "-"]), self.rng.between(1, most))
+            }
+            5..=6 => {
+                let (lowest, highest) = self.integers[integer];
+                (lowest + self.rng.below((highest - lowest + 1) as usize) as i64).to_string()
+            }
+            _ => self.sum(),
+        };
+        format!("set Int{integer} := {value}")
+    }
+
+    /// An integer expression; of wide ranges some are refused.
+    fn sum(&mut self) -> String {
+        let integer = |model: &mut Model| format!("Int{}", model.rng.below(model.integers.len()));
+        let (a, b, n) = (integer(self), integer(self), self.rng.below(2));
+        match self.rng.below(8) {
+            0..=2 => a,
+            3 => format!("{a} + {n}"),
+            4 => format!("-{a}"),
+            5 => format!("{a} - {b}"),
+            6 => format!("{n} - ({a} - {b})"),
+            _ => format!("{a} + {b} - {n} + -1"),
+        }
+    }
+
+    /// A comparison that its ranges leave open, mostly.
+    pub fn comparison(&mut self) -> String {
+        let integer = self.rng.below(self.integers.len());
+        let (lowest, highest) = self.integers[integer];
+        // Neither bound is passed, so each relation depends on the value.
+        let value = lowest + 1 + self.rng.below((highest - lowest) as usize) as i64;
+        let relation = *self.rng.pick(&["=", "<>", "<", "<=", ">", ">="]);
+        match (self.rng.below(10), relation) {
+            (0..=3, _) => format!("{} {relation} {}", self.sum(), self.sum()),
+            (_, "<=" | ">") => format!("Int{integer} {relation} {}", value - 1),
+            _ => format!("Int{integer} {relation} {value}"),
+        }
     }
 
     /// What states drive, set and reset, what they do when they are entered and left, and what happens
@@ -237,7 +284,8 @@ impl Model {
                 let Some(output) = self.free_output(region) else { break };
                 lines.push(format!("drives Out{output}{}", self.condition(45)));
             }
-            let variables = self.regions[region].variables.clone();
+            let mut variables = self.regions[region].variables.clone();
+            variables.retain(|&v| v < self.variables);
             while self.rng.chance(25) {
                 let Some(variable) = self.rng.choose(&variables) else { break };
                 let word = *self.rng.pick(&["sets", "resets"]);
@@ -319,6 +367,7 @@ impl Model {
             40..=49 => format!("rise(In{input})"),
             50..=55 => format!("fall(In{input})"),
             56..=61 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            62..=72 if !self.integers.is_empty() => self.comparison(),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             76..=85 => format!("in({})", self.states[self.rng.below(self.states.len())].name),
             86..=91 => match (0..self.states.len()).filter(|&s| self.can_be_done(s)).collect::<Vec<_>>()[..] {

@@ -43,7 +43,14 @@ impl Model {
             let readings = self.readings(" and ");
             items.push(Item::line(format!("assume Ass{number}: never {readings}")));
         }
-        Some(Item::block("safety supervisor", items))
+        let reset = format!(" reset by In{}", self.rng.below(self.inputs));
+        let head = match self.rng.below(10) {
+            0..=3 => "safety supervisor".to_owned(),
+            4..=5 => format!("safety supervisor{reset}"),
+            6 => "safety controller".to_owned(),
+            _ => format!("safety blocking{reset}"),
+        };
+        Some(Item::block(head, items))
     }
 
     /// A literal of an output that a constraint may make FALSE; now and then one that it may not.
@@ -129,6 +136,7 @@ impl Model {
             10..=11 => format!("prev(In{input})"),
             12..=14 => return format!("{}(In{input})", self.rng.pick(&["rise", "fall"])),
             15..=16 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            _ if !self.integers.is_empty() && self.rng.chance(50) => self.comparison(),
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

@@ -23,8 +23,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
     ("verify", &["base", "bits", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
+    (
+        "pipeline",
+        &["base", "constraints", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"],
+    ),
+    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

@@ -4,8 +4,18 @@
 //! | --- | --- |
 //! | [`questions`] | asks a solver what the filter may meet |
 //! | [`properties`] | whether it can always meet all constraints |
+//! | [`redundancy`] | constraints that the others imply |
+//! | [`graphs`] | the matrices and graphs of seed 001 |
+//! | [`analysis`] | all of it, in names and texts |
+//! | [`show`] | that as text and for Graphviz |
 //! | [`words`] | products in the words of the model |
 
+pub mod analysis;
+pub mod graphs;
 pub mod properties;
 pub mod questions;
+pub mod redundancy;
+mod show;
 pub mod words;
+
+pub use analysis::Analysis;

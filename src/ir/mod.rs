@@ -16,6 +16,7 @@ pub mod chart;
 pub mod drawing;
 pub mod expr;
 pub mod iec;
+pub mod integer;
 pub mod ladder;
 pub mod number;
 pub mod outline;

@@ -3,11 +3,10 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios};
+use super::{Rule, numbers, scenarios};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
-use crate::ir::number::{Comparison, Number, Operand, Relation};
 use pest::iterators::Pair;
 
 /// What could not be parsed, kept for the second look.
@@ -24,6 +23,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         outputs: Vec::new(),
         variables: Vec::new(),
         actuators: Vec::new(),
+        observers: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
         plants: Vec::new(),
@@ -38,6 +38,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
+            Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
@@ -115,14 +116,14 @@ fn variable(p: Pair<'_, Rule>) -> Variable {
             Rule::constant => variable.kind = VariableKind::Bool(p.as_str() == "true"),
             Rule::range => {
                 let span = span(&p);
-                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| integer(p).0);
+                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| numbers::integer(p).0);
                 let mut end = || ends.next().expect("a range has two ends");
                 let (lowest, highest) = (end(), end());
                 variable.kind = VariableKind::Integer { lowest, highest, initial: None, span };
             }
             Rule::integer => {
                 if let VariableKind::Integer { initial, .. } = &mut variable.kind {
-                    *initial = Some(integer(p));
+                    *initial = Some(numbers::integer(p));
                 }
             }
             Rule::text => variable.description = Some(text(p)),
@@ -130,57 +131,6 @@ fn variable(p: Pair<'_, Rule>) -> Variable {
         }
     }
     variable
-}
-
-/// An integer and where it stands; what is too large is as large as can be.
-fn integer(p: Pair<'_, Rule>) -> (i64, Span) {
-    let span = span(&p);
-    let (mut negative, mut value) = (false, 0);
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::minus => negative = true,
-            _ => value = p.as_str().parse().unwrap_or(i64::MAX),
-        }
-    }
-    (if negative { -value } else { value }, span)
-}
-
-/// An integer expression; recursion is bounded by the nesting limit of parentheses.
-pub fn sum(p: Pair<'_, Rule>) -> Number<Name> {
-    let mut operands: Vec<Operand<Name>> = Vec::new();
-    let (mut negative, mut minus) = (false, false);
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::sign => negative = p.as_str() == "-",
-            Rule::minus => minus = true,
-            Rule::factor => {
-                let value = match (factor(p), std::mem::take(&mut minus)) {
-                    (Number::Const(n), true) => Number::Const(-n),
-                    (value, true) if operands.is_empty() => {
-                        negative = true;
-                        value
-                    }
-                    (value, true) => Number::Sum(vec![Operand { negative: true, value }]),
-                    (value, false) => value,
-                };
-                operands.push(Operand { negative: std::mem::take(&mut negative), value });
-            }
-            _ => {}
-        }
-    }
-    match operands.as_slice() {
-        [Operand { negative: false, .. }] => operands.remove(0).value,
-        _ => Number::Sum(operands),
-    }
-}
-
-fn factor(p: Pair<'_, Rule>) -> Number<Name> {
-    let inner = p.into_inner().next().expect("a factor holds something");
-    match inner.as_rule() {
-        Rule::number => Number::Const(inner.as_str().parse().unwrap_or(i64::MAX)),
-        Rule::sum => sum(inner),
-        _ => Number::Value(name(inner)),
-    }
 }
 
 fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
@@ -245,6 +195,19 @@ fn chart<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Chart {
     }
 }
 
+fn observer<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Observer {
+    let inside = p.clone().into_inner().find(|p| p.as_rule() == Rule::observer_body).expect("an observer has a body");
+    let after_filter = inside.into_inner().filter(|p| p.as_rule() == Rule::after_filter);
+    let after_filter = after_filter.map(|p| body(p, bad)).collect();
+    let head = Head::read(p, bad);
+    Observer {
+        name: head.name,
+        description: head.description,
+        body: head.body.expect("an observer has a body"),
+        after_filter,
+    }
+}
+
 /// What charts, states and regions have in common.
 struct Head {
     name: Name,
@@ -283,7 +246,7 @@ impl Head {
                     _ => head.name = name(p),
                 },
                 Rule::text => head.description = Some(text(p)),
-                Rule::body | Rule::outer_body => head.body = Some(body(p, bad)),
+                Rule::body | Rule::outer_body | Rule::observer_body => head.body = Some(body(p, bad)),
                 _ => {}
             }
             before = Some(rule);
@@ -354,7 +317,7 @@ fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
             Rule::name => variable = Some(name(p)),
             Rule::sum => {
                 let span = span(&p);
-                value = EffectValue::Integer(sum(p), span);
+                value = EffectValue::Integer(numbers::sum(p), span);
             }
             _ => {}
         }
@@ -547,18 +510,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
     let place = span(&p);
     let inner = p.into_inner().next().expect("a primary holds something");
     match inner.as_rule() {
-        Rule::comparison => {
-            let (mut sums, mut relation) = (Vec::with_capacity(2), Relation::Equal);
-            for p in inner.into_inner() {
-                match p.as_rule() {
-                    Rule::sum => sums.push(sum(p)),
-                    _ => relation = Relation::ALL.into_iter().find(|r| r.symbol() == p.as_str()).unwrap_or(relation),
-                }
-            }
-            let (right, left) = (sums.pop(), sums.pop());
-            let (left, right) = left.zip(right).expect("a comparison has two sides");
-            Expr::Atom(Term::Compare(Comparison { left, relation, right }, place))
-        }
+        Rule::comparison => Expr::Atom(Term::Compare(numbers::comparison(inner), place)),
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),

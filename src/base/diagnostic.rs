@@ -192,6 +192,7 @@ codes! {
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
     IdleInternal "E330" "an internal transition does nothing",
+    LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 
     BadRange "E340" "the range of an integer, or its initial value, does not fit",
     WrongAssignment "E341" "a variable is written in a way that its type does not allow",

@@ -26,7 +26,8 @@
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
 //!    wins; [`check`](crate::check) sees to it that there is a last one. Among them are [`Assignment`]s: an
 //!    integer becomes the value, or the bound of its range that the value is beyond, and the value is that
-//!    of the integers from before the step.
+//!    of the integers from before the step. An event that any of them raises
+//!    is [TRUE](Atom::Event) throughout the next scan, and only then. Observers raise and read none.
 //! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
 //!    Their conditions read states as they are now and variables as 5 left them.
 //! 7. The command of an output is the OR of the [`Drive`]s of the states that are active now;
@@ -47,11 +48,13 @@
 use super::expr::Expr;
 use super::number::Comparison;
 use super::scenario::{Plant, Scenario};
-use super::sop::Product;
 use crate::base::{Arena, Id, Span};
+
+mod safety;
 
 pub use super::ast::Technology;
 pub use super::integer::{Assignment, Integer};
+pub use safety::{Assumption, Constraint, FilterMode, Mark, Relief, Safety, outputs_of};
 
 /// Names an input.
 pub type InputId = Id<Input>;
@@ -59,6 +62,8 @@ pub type InputId = Id<Input>;
 pub type OutputId = Id<Output>;
 /// Names a variable.
 pub type VariableId = Id<Variable>;
+/// Names an event.
+pub type EventId = Id<Event>;
 /// Names an integer.
 pub type IntegerId = Id<Integer>;
 /// Names a comparison.
@@ -89,6 +94,8 @@ pub struct Machine {
     pub outputs: Arena<Output>,
     /// What is remembered, in order of declaration.
     pub variables: Arena<Variable>,
+    /// What can be raised, in order of declaration.
+    pub events: Arena<Event>,
     /// What is counted, in order of declaration.
     pub integers: Arena<Integer>,
     /// What conditions ask of integers, each once, in order of first mention. None is TRUE or FALSE
@@ -152,6 +159,17 @@ pub struct Variable {
     pub span: Span,
 }
 
+/// Something that happens: raised in one scan, TRUE in exactly the next one.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// A technical device with positions. What its technology demands of outputs has become
 /// [`Drive`]s of states; what remains is for reading and for analysis.
 #[derive(Clone, Debug)]
@@ -177,7 +195,21 @@ pub struct Position {
     pub output: Option<OutputId>,
     /// What is TRUE when it is reached; over inputs only.
     pub sensor: Option<Guard>,
+    /// What happens in a movement to it that takes too long. It has become an internal
+    /// [`Transition`] of each movement, which is tried last.
+    pub limit: Option<Limit>,
     /// Where it is declared.
+    pub span: Span,
+}
+
+/// What happens in a movement that takes too long.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// How long it may take, in milliseconds.
+    pub time: u32,
+    /// What happens in each scan in which it has taken that long and does not end.
+    pub deeds: Deeds,
+    /// Where it is written.
     pub span: Span,
 }
 
@@ -197,6 +229,8 @@ pub enum Atom {
     PrevOutput(OutputId),
     /// The variable.
     Variable(VariableId),
+    /// Whether the event was raised in the scan before.
+    Event(EventId),
     /// Whether the comparison holds, for integers as they are when variables are read here.
     Compare(ComparisonId),
     /// Whether the state is active.
@@ -340,6 +374,8 @@ pub struct Action {
 pub struct Deeds {
     /// What becomes of variables; no variable twice.
     pub effects: Vec<Effect>,
+    /// The events that are raised; none twice.
+    pub raises: Vec<EventId>,
     /// What becomes of integers; no integer twice.
     pub assignments: Vec<Assignment>,
 }
@@ -347,7 +383,7 @@ pub struct Deeds {
 impl Deeds {
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
-        self.effects.is_empty() && self.assignments.is_empty()
+        self.effects.is_empty() && self.assignments.is_empty() && self.raises.is_empty()
     }
 }
 
@@ -385,112 +421,6 @@ pub struct Transition {
     pub description: String,
     /// Where it is written.
     pub span: Span,
-}
-
-/// The safety part of a model.
-#[derive(Clone, Debug, Default)]
-pub struct Safety {
-    /// What the filter does about a violation; nothing when the model has no constraints.
-    pub mode: Option<FilterMode>,
-    /// Where the mode stands.
-    pub span: Span,
-    /// How combined constraints are relieved.
-    pub relief: Relief,
-    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
-    /// if, it remembers that.
-    pub reset: Option<InputId>,
-    /// What must never be, in the order in which it is written.
-    pub constraints: Arena<Constraint>,
-    /// What the plant cannot do.
-    pub assumptions: Vec<Assumption>,
-}
-
-/// What the filter does about a violation (seed 001).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FilterMode {
-    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
-    /// what constraints make of that.
-    Blocking,
-    /// Outputs are corrected, the program goes on, each correction is an alarm.
-    Supervisor,
-    /// Outputs are corrected, and that is normal.
-    Controller,
-}
-
-/// How combined constraints are relieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Relief {
-    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
-    #[default]
-    Together,
-    /// In sweeps, each in its turn and at once, as they are written (seed 003).
-    InOrder {
-        /// How many sweeps are made: as many as it takes at most to meet all constraints.
-        sweeps: usize,
-    },
-}
-
-/// What the filter remembers from scan to scan; FALSE before the first one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Mark {
-    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
-    /// while this is TRUE.
-    Noted,
-    /// The constraint acted in the scan in which this began.
-    First(ConstraintId),
-}
-
-/// A safety constraint: none of its products may be TRUE when the outputs are written.
-#[derive(Clone, Debug)]
-pub struct Constraint {
-    /// Its name.
-    pub name: String,
-    /// What it says, in words for the operator.
-    pub text: String,
-    /// What must never be TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products; none contradicts itself.
-    pub products: Vec<Product<Atom>>,
-    /// Who gives way when a combined product would be TRUE.
-    pub yields: Vec<OutputId>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// Something that the plant cannot do, over inputs, previous values and variables.
-#[derive(Clone, Debug)]
-pub struct Assumption {
-    /// Its name.
-    pub name: String,
-    /// What it says in words.
-    pub text: String,
-    /// What is never TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products.
-    pub products: Vec<Product<Atom>>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// The outputs of this scan in a product, each with whether it stands negated.
-pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bool)> + '_ {
-    product.literals().iter().filter_map(|l| match l.atom {
-        Atom::Output(o) => Some((o, l.negated)),
-        _ => None,
-    })
-}
-
-impl Safety {
-    /// What the filter remembers, the stop first.
-    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
-        let any = self.reset.is_some();
-        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
-    }
-
-    /// Whether a constraint that acts is an alarm.
-    pub fn alarms(&self) -> bool {
-        self.mode != Some(FilterMode::Controller)
-    }
 }
 
 impl Machine {
@@ -547,6 +477,7 @@ impl Machine {
             Atom::Output(o) => self.outputs[o].name.clone(),
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::Event(e) => self.events[e].name.clone(),
             Atom::Compare(c) => self.comparison(c),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),

@@ -31,6 +31,9 @@ impl Writer<'_> {
         for o in m.outputs.values() {
             writeln!(self.out, "output {} {}", o.name, o.address.as_deref().unwrap_or("-"))?;
         }
+        for e in m.events.values() {
+            writeln!(self.out, "event {}", e.name)?;
+        }
         for v in m.variables.values() {
             writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
         }
@@ -232,10 +235,12 @@ impl Writer<'_> {
 
     fn deeds(&self, deeds: &Deeds) -> String {
         let name = |e: &Effect| &self.machine.variables[e.variable].name;
-        let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, name(e));
+        let effects = deeds.effects.iter();
+        let effects = effects.map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, name(e)));
+        let raises = deeds.raises.iter().map(|&e| format!("raise {}", self.machine.events[e].name));
         let integer = |a: &Assignment| &self.machine.integers[a.integer].name;
         let value = |a: &Assignment| format!("{} := {}", integer(a), self.machine.number(&a.value));
-        deeds.effects.iter().map(one).chain(deeds.assignments.iter().map(value)).collect::<Vec<_>>().join(", ")
+        effects.chain(raises).chain(deeds.assignments.iter().map(value)).collect::<Vec<_>>().join(", ")
     }
 
     fn guard(&self, guard: &Guard) -> String {

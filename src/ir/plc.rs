@@ -66,6 +66,8 @@ pub enum Role {
     Output,
     /// A variable of the model.
     Variable,
+    /// An event of the model, as it is in this scan.
+    Event,
     /// A value on the way to a variable.
     Interim,
     /// TRUE while a step is active; written by its N action only.

@@ -67,6 +67,11 @@ impl Writer {
                 })
             })?;
         }
+        if !m.events.is_empty() {
+            self.block(format_args!("events"), |w| {
+                m.events.iter().try_for_each(|e| w.line(format_args!("{}{}", e.name.text, text(&e.description))))
+            })?;
+        }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
         for observer in &m.observers {
             let head = format!("observer {}{}", observer.name.text, text(&observer.description));
@@ -159,7 +164,8 @@ impl Writer {
             a.positions.iter().try_for_each(|p| {
                 let sensor = p.sensor.as_ref().map(|g| format!(" sensor {}", condition(g))).unwrap_or_default();
                 let output = clause("output", p.output.as_ref());
-                w.line(format_args!("position {}{output}{sensor}{}", p.name.text, text(&p.description)))
+                let limit = p.limit.as_ref().map(limit).unwrap_or_default();
+                w.line(format_args!("position {}{output}{sensor}{limit}{}", p.name.text, text(&p.description)))
             })
         })
     }
@@ -253,9 +259,14 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 fn effects(effects: &[Effect]) -> String {
     let one = |e: &Effect| match &e.value {
         EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
+        EffectValue::Raised => format!("raise {}", e.variable.text),
         EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
     };
     effects.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn limit(limit: &Limit) -> String {
+    format!(" within {}ms else {}", limit.time.milliseconds.unwrap_or(0), effects(&limit.effects))
 }
 
 fn then(list: &[Effect]) -> String {

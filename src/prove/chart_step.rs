@@ -34,6 +34,8 @@ pub struct ChartState {
     pub inputs: Vec<Lit>,
     /// For each output, what the filter let through in the last scan.
     pub outputs: Vec<Lit>,
+    /// For each event, whether it was raised in the last scan.
+    pub raised: Vec<Lit>,
     /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
@@ -45,10 +47,10 @@ pub struct ChartState {
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks, integers.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past, marks, integers } = self;
-        let single = [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten();
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, integers } = self;
+        let single = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
         single.chain(integers.iter().flatten()).copied().collect()
     }
 }
@@ -58,6 +60,8 @@ impl ChartState {
 pub struct ChartScan {
     /// What is remembered; its outputs are those of this scan.
     pub after: ChartState,
+    /// For each event, whether it is TRUE.
+    pub events: Vec<Lit>,
     /// For each transition, whether it fires.
     pub fires: Vec<Lit>,
     /// For each output, whether an active state drives it.
@@ -112,6 +116,7 @@ impl<'m> ChartStep<'m> {
             variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.to_vec(),
             outputs: vec![Lit::FALSE; m.outputs.len()],
+            raised: vec![Lit::FALSE; m.events.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
@@ -149,10 +154,13 @@ impl<'m> ChartStep<'m> {
     /// What comes of the transitions that fire; with `start` the outermost regions are entered.
     fn move_on(&self, aig: &mut Aig, now: &mut Now, fires: &[Lit], start: Lit) {
         let moves = self.configuration(aig, &now.active, fires, start);
-        now.variables = self.happen(aig, &now.variables, fires, &moves);
+        let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
+        now.variables = variables;
         now.integers = self.count(aig, &now.integers, fires, &moves);
         now.active = moves.active;
-        for (all, one) in [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires)] {
+        let gathered =
+            [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
+        for (all, one) in gathered {
             all.iter_mut().zip(one).for_each(|(all, &one)| *all = aig.or(*all, one));
         }
     }
@@ -257,10 +265,17 @@ impl<'m> ChartStep<'m> {
         steps
     }
 
-    /// What becomes of variables by what happens once. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> Vec<Lit> {
+    /// What becomes of variables by what happens once, of which what comes later wins, and which events are
+    /// raised.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+        let steps = self.deeds(fires, moves);
+        let mut raisers = vec![Vec::new(); self.machine.events.len()];
+        for (happens, deeds) in steps.values().flatten() {
+            deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
+        }
+        let raised = raisers.iter().map(|by| aig.any(by)).collect();
         let mut variables = before.to_vec();
-        for step in self.deeds(fires, moves).values() {
+        for step in steps.values() {
             let mut writes: BTreeMap<VariableId, [Vec<Lit>; 2]> = BTreeMap::new();
             for (happens, deeds) in step {
                 for effect in &deeds.effects {
@@ -271,7 +286,7 @@ impl<'m> ChartStep<'m> {
                 variables[v.index()] = write(aig, variables[v.index()], &writes);
             }
         }
-        variables
+        (variables, raised)
     }
 
     /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
@@ -327,7 +342,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, integers, entered, fires } = now;
+        let Now { active, variables, integers, entered, fires, raised } = now;
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -340,12 +355,13 @@ impl<'m> ChartStep<'m> {
             variables,
             inputs: given.inputs.to_vec(),
             outputs: filtered.outputs,
+            raised,
             fresh,
             past,
             marks: filtered.marks,
             integers,
         };
-        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+        ChartScan { after, events: given.before.raised.clone(), fires, commands, acted: filtered.acted, broken, begins }
     }
 }
 
@@ -375,6 +391,8 @@ struct Now {
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
+    /// For each event, whether it has been raised.
+    raised: Vec<Lit>,
 }
 
 impl Now {
@@ -385,6 +403,7 @@ impl Now {
             integers: before.integers.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
+            raised: vec![Lit::FALSE; machine.events.len()],
         }
     }
 }
@@ -445,6 +464,7 @@ impl Reading<'_> {
             }
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Event(e) => self.given.before.raised[e.index()],
             Atom::Compare(c) => {
                 let Comparison { left, relation, right } = &self.given.step.machine.comparisons[c];
                 let (left, right) = (number(aig, left, self.integers), number(aig, right, self.integers));

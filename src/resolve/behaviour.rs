@@ -46,6 +46,10 @@ impl Resolver {
         for effect in written {
             match &effect.value {
                 ast::EffectValue::Bool(value) => self.set(&effect.variable, *value, what, &mut deeds.effects),
+                ast::EffectValue::Raised => {
+                    let event = self.event(&effect.variable).filter(|e| !deeds.raises.contains(e));
+                    deeds.raises.extend(event);
+                }
                 ast::EffectValue::Integer(value, span) => {
                     let Some(assignment) = self.assignment(&effect.variable, value, *span) else { continue };
                     match deeds.assignments.iter().find(|a| a.integer == assignment.integer) {

@@ -1,7 +1,7 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
 use crate::ir::chart::{
-    Atom, ConstraintId, InputId, IntegerId, Machine, Mark, OutputId, StateId, StateKind, VariableId,
+    Atom, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, StateKind, VariableId,
 };
 use crate::ir::number::{Number, Relation};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
@@ -13,6 +13,7 @@ pub struct Layout {
     bits: usize,
     outputs: usize,
     variables: usize,
+    events: usize,
     states: usize,
     acted: usize,
     broken: usize,
@@ -21,9 +22,9 @@ pub struct Layout {
     len: usize,
 }
 
-/// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
-/// alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the [`WIDTH`]
-/// bits of its two's complement, the lowest first.
+/// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the
+/// [`WIDTH`] bits of its two's complement, the lowest first.
 pub type Frame = Vec<bool>;
 
 /// How many places an integer takes: those of an INT.
@@ -35,13 +36,14 @@ impl Layout {
         let bits = machine.inputs.len();
         let outputs = bits + machine.plant.bits.len();
         let variables = outputs + machine.outputs.len();
-        let states = variables + machine.variables.len();
+        let events = variables + machine.variables.len();
+        let states = events + machine.events.len();
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
         let marks = broken + machine.safety.assumptions.len();
         let integers = marks + machine.safety.marks().count();
         let len = integers + machine.integers.len() * WIDTH;
-        Layout { bits, outputs, variables, states, acted, broken, marks, integers, len }
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, len }
     }
 
     /// A frame with all values FALSE.
@@ -64,7 +66,12 @@ impl Layout {
         self.outputs..self.variables
     }
 
-    /// The places of outputs and variables.
+    /// The places of events.
+    pub fn events(&self) -> Range<usize> {
+        self.events..self.states
+    }
+
+    /// The places of outputs, variables and events.
     pub fn written(&self) -> Range<usize> {
         self.outputs..self.states
     }
@@ -110,6 +117,11 @@ impl Layout {
     /// The place of a variable.
     pub fn variable(&self, variable: VariableId) -> usize {
         self.variables + variable.index()
+    }
+
+    /// The place of an event.
+    pub fn event(&self, event: EventId) -> usize {
+        self.events + event.index()
     }
 
     /// The place of a state.
@@ -169,6 +181,7 @@ impl Layout {
             Seen::Machine(Atom::Output(o)) => now[self.output(o)],
             Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
             Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
+            Seen::Machine(Atom::Event(e)) => now[self.event(e)],
             Seen::Machine(Atom::Compare(c)) => {
                 let comparison = &machine.comparisons[c];
                 let (left, right) = (self.number(&comparison.left, now), self.number(&comparison.right, now));

@@ -68,6 +68,9 @@ impl Program {
         for (id, v) in machine.variables.iter() {
             show(layout.variable(id), find(Role::Variable, &v.name, v.span));
         }
+        for (id, e) in machine.events.iter() {
+            show(layout.event(id), find(Role::Event, &e.name, e.span));
+        }
         let integers = machine.integers.values().map(|i| find(Role::Variable, &i.name, i.span)[0]).collect();
         for (id, s) in machine.states.iter() {
             show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
@@ -104,6 +107,9 @@ impl Program {
                 }
                 for id in machine.variables.ids() {
                     frame[layout.variable(id)] = chart.variable(id);
+                }
+                for id in machine.events.ids() {
+                    frame[layout.event(id)] = chart.event(id);
                 }
                 for id in machine.integers.ids() {
                     layout.put_integer(id, chart.integer(id), frame);

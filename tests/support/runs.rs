@@ -3,7 +3,7 @@
 
 use super::rng::Rng;
 use chartwright::ir::chart::{
-    Atom, ConstraintId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, StateId, VariableId,
+    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, StateId, VariableId,
 };
 use chartwright::ir::iec::VarId;
 use chartwright::ir::number::{Number, Range};
@@ -78,6 +78,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
+            Atom::Event(e) => chart.event(e),
             Atom::In(s) if machine.observes(s) => was(s),
             Atom::Compare(c) => {
                 let compared = &machine.comparisons[c];
@@ -142,6 +143,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let same = chart.active().eq(again.active())
             && chart.fired() == again.fired()
             && machine.variables.ids().all(|v| chart.variable(v) == again.variable(v))
+            && machine.events.ids().all(|e| chart.event(e) == again.event(e))
             && machine
                 .outputs
                 .ids()
@@ -172,6 +174,7 @@ fn number(number: &Number<IntegerId>, chart: &Chart) -> i64 {
 enum Meaning {
     State(StateId),
     Variable(VariableId),
+    Event(EventId),
     Integer(IntegerId),
     Command(OutputId),
     Output(OutputId),
@@ -186,6 +189,7 @@ impl Meaning {
             Meaning::Integer(i) => return chart.integer(i),
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
+            Meaning::Event(e) => chart.event(e),
             Meaning::Command(o) => chart.command(o),
             Meaning::Output(o) => chart.output(o),
             Meaning::Alarm(c) => chart.acted(c),
@@ -220,6 +224,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
             Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span)
                 .map(Meaning::Variable)
                 .or_else(|| find(machine.integers.iter(), |i| Some(i.span) == span).map(Meaning::Integer)),
+            Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
@@ -238,6 +243,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     // Each has to be there, and once.
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
+        .chain(machine.events.ids().map(Meaning::Event))
         .chain(machine.integers.ids().map(Meaning::Integer))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))

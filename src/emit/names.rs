@@ -53,6 +53,7 @@ fn role(role: Role) -> &'static str {
         Role::Event => "event",
         Role::Interim => "interim value",
         Role::StepFlag => "step flag",
+        Role::History => "history",
         Role::Condition => "condition",
         Role::Command => "command",
         Role::Filter => "filter",

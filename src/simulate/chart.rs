@@ -31,6 +31,7 @@ mod code;
 mod filter;
 mod integers;
 mod steps;
+mod ways;
 
 use crate::ir::chart::{
     ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId, VariableId,
@@ -185,7 +186,7 @@ impl Chart {
         self.memory.scan += 1;
         self.sample(inputs);
         if self.memory.scan == 1 {
-            self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
+            self.steps.begin(&self.code, &mut self.memory, &mut self.configuration);
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }

@@ -194,7 +194,7 @@ impl Model {
     }
 
     /// Writes a transition into a region; one that belongs to a parallel state may stand beside them.
-    fn put(&mut self, region: usize, text: String) {
+    pub fn put(&mut self, region: usize, text: String) {
         self.regions[region].lines.push(Item::line(text));
     }
 
@@ -205,7 +205,7 @@ impl Model {
         self.priorities.pop().map(|p| format!(" priority {p}")).unwrap_or_default()
     }
 
-    fn effects(&mut self, scope: usize) -> String {
+    pub fn effects(&mut self, scope: usize) -> String {
         if !self.rng.chance(35) {
             return String::new();
         }
@@ -242,7 +242,12 @@ impl Model {
                 let (lowest, highest) = self.integers[integer];
                 (lowest + self.rng.below((highest - lowest + 1) as usize) as i64).to_string()
             }
-            _ => self.sum(),
+            // Others may lie far from here.
+            _ => {
+                let other = self.rng.below(self.integers.len());
+                let (a, b) = (self.integers[integer], self.integers[other]);
+                if a.1 - a.0 < 20 && b.1 - b.0 < 20 { format!("Int{other}") } else { "0".into() }
+            }
         };
         format!("set Int{integer} := {value}")
     }
@@ -269,7 +274,7 @@ impl Model {
         let value = lowest + 1 + self.rng.below((highest - lowest) as usize) as i64;
         let relation = *self.rng.pick(&["=", "<>", "<", "<=", ">", ">="]);
         match (self.rng.below(10), relation) {
-            (0..=3, _) => format!("{} {relation} {}", self.sum(), self.sum()),
+            (0..=1, _) if highest - lowest < 5_000 => format!("{} {relation} {}", self.sum(), self.sum()),
             (_, "<=" | ">") => format!("Int{integer} {relation} {}", value - 1),
             _ => format!("Int{integer} {relation} {value}"),
         }
@@ -335,7 +340,7 @@ impl Model {
     }
 
     /// The guard of a transition, which may wait for some time.
-    fn timed(&mut self, depth: usize) -> String {
+    pub fn timed(&mut self, depth: usize) -> String {
         let (guard, time) = (self.guard(depth), self.rng.between(1, 80));
         match self.rng.below(100) {
             0..=3 => format!("after {time}ms"),

@@ -246,7 +246,9 @@ impl Model {
         let (Some(&first), true) = (regions.first(), self.rng.chance(50)) else { return String::new() };
         // More than one region may raise an event, but not write a variable.
         let alone = regions.iter().all(|&r| r == first);
-        let variable = if alone { self.rng.choose(&self.regions[first].variables.clone()) } else { None };
+        let mut variables = self.regions[first].variables.clone();
+        variables.retain(|&v| alone && v < self.variables);
+        let variable = self.rng.choose(&variables);
         let time = self.rng.between(1, 80);
         match variable {
             Some(v) => format!(" within {time}ms else set Var{v}"),

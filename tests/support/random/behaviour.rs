@@ -233,12 +233,12 @@ impl Model {
             return format!("{} Var{variable}", self.rng.pick(&["set", "reset"]));
         };
         let value = match self.rng.below(10) {
-            0..=4 => {
+            0..=4 if !self.is_wide(integer) => {
                 let (lowest, highest) = self.integers[integer];
                 let most = (highest - lowest).min(3) as usize;
                 format!("Int{integer} {} {}", self.rng.pick(&["+", "-"]), self.rng.between(1, most))
             }
-            5..=6 => {
+            0..=6 => {
                 let (lowest, highest) = self.integers[integer];
                 (lowest + self.rng.below((highest - lowest + 1) as usize) as i64).to_string()
             }
@@ -252,10 +252,20 @@ impl Model {
         format!("set Int{integer} := {value}")
     }
 
-    /// An integer expression; of wide ranges some are refused.
+    /// Whether nothing can be added to the integer, because the sum might be too large for an INT.
+    fn is_wide(&self, integer: usize) -> bool {
+        let (lowest, highest) = self.integers[integer];
+        highest - lowest > 10_000
+    }
+
+    /// An integer expression.
     fn sum(&mut self) -> String {
-        let integer = |model: &mut Model| format!("Int{}", model.rng.below(model.integers.len()));
+        let integer = |model: &mut Model| model.rng.below(model.integers.len());
         let (a, b, n) = (integer(self), integer(self), self.rng.below(2));
+        if self.is_wide(a) || self.is_wide(b) {
+            return format!("Int{a}");
+        }
+        let (a, b) = (format!("Int{a}"), format!("Int{b}"));
         match self.rng.below(8) {
             0..=2 => a,
             3 => format!("{a} + {n}"),

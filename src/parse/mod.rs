@@ -8,6 +8,7 @@
 
 mod build;
 mod functions;
+mod numbers;
 mod scan;
 mod scenarios;
 mod syntax_error;

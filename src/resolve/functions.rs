@@ -155,7 +155,7 @@ impl Maker<'_, '_> {
     }
 
     fn variable(&mut self, name: Name, description: Option<Text>) {
-        self.plain.variables.push(Variable { name, initial: false, description });
+        self.plain.variables.push(Variable { name, kind: VariableKind::Bool(false), description });
     }
 
     /// The one clause of a kind; more are an error.
@@ -376,7 +376,7 @@ fn raised(variable: Name) -> Effect {
 
 fn place(term: &Term) -> Span {
     match term {
-        Term::Done(span) | Term::Blocked(span) => *span,
+        Term::Done(span) | Term::Blocked(span) | Term::Compare(_, span) => *span,
         Term::After(time) => time.span,
         Term::Value(p)
         | Term::Prev(p)

@@ -1,6 +1,6 @@
 //! What is declared is used.
 
-use crate::base::{Code, Diagnostic, Diagnostics};
+use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::chart::{Atom, Deeds, Guard, Machine};
 use crate::ir::expr::Expr;
 
@@ -10,12 +10,14 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut written = vec![false; machine.variables.len()];
     let mut heard = vec![false; machine.events.len()];
     let mut raised = vec![false; machine.events.len()];
+    let mut compared = vec![false; machine.comparisons.len()];
     let mut driven = vec![false; machine.outputs.len()];
     let mut look = |guard: &Guard| {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
             Atom::Event(e) => heard[e.index()] = true,
+            Atom::Compare(c) => compared[c.index()] = true,
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
@@ -52,7 +54,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             );
         }
     }
-    for (id, variable) in machine.variables.iter() {
+    // What a function brings along stands nowhere in the text, and may be for people only.
+    let written_out = |name: &str, span: Span| span.range().len() == name.len();
+    for (id, variable) in machine.variables.iter().filter(|(_, v)| written_out(&v.name, v.span)) {
         let problem = match (read[id.index()], written[id.index()]) {
             (true, true) => continue,
             (false, _) => "never read",
@@ -63,7 +67,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(variable.span, "declared here"),
         );
     }
-    for (id, event) in machine.events.iter() {
+    for (id, event) in machine.events.iter().filter(|(_, e)| written_out(&e.name, e.span)) {
         let problem = match (heard[id.index()], raised[id.index()]) {
             (true, true) => continue,
             (false, _) => "never read",
@@ -74,6 +78,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(event.span, "declared here"),
         );
     }
+    integers(machine, &compared, found);
     for (id, output) in machine.outputs.iter() {
         if !driven[id.index()] {
             found.push(
@@ -82,5 +87,33 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                     .help("write `drives` in a state, or let a region control its actuator"),
             );
         }
+    }
+}
+
+/// Integers: `compared` says which comparisons conditions of the program read.
+fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
+    let mut read = vec![false; machine.integers.len()];
+    let mut written = vec![false; machine.integers.len()];
+    for ((_, comparison), _) in machine.comparisons.iter().zip(compared).filter(|(_, compared)| **compared) {
+        comparison.left.for_each_value(&mut |i| read[i.index()] = true);
+        comparison.right.for_each_value(&mut |i| read[i.index()] = true);
+    }
+    let states = machine.states.values().flat_map(|s| [&s.entry, &s.exit]);
+    let deeds = machine.transitions.values().map(|t| &t.deeds).chain(states);
+    for assignment in deeds.flat_map(|d| &d.assignments) {
+        written[assignment.integer.index()] = true;
+        // What only keeps itself up is of no use to anything else.
+        assignment.value.for_each_value(&mut |i| read[i.index()] |= *i != assignment.integer);
+    }
+    for (id, integer) in machine.integers.iter() {
+        let problem = match (read[id.index()], written[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never compared with anything",
+            (true, false) => "never given another value",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
+                .label(integer.span, "declared here"),
+        );
     }
 }

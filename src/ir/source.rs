@@ -4,6 +4,7 @@
 
 use super::ast::*;
 use super::expr::{CHART, Expr};
+use super::number::Number;
 use std::fmt::{self, Write};
 
 /// Writes the tree as source text.
@@ -55,7 +56,14 @@ impl Writer {
         if !m.variables.is_empty() {
             self.block(format_args!("variables"), |w| {
                 m.variables.iter().try_for_each(|v| {
-                    w.line(format_args!("{} : BOOL := {}{}", v.name.text, v.initial, text(&v.description)))
+                    let kind = match &v.kind {
+                        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
+                        VariableKind::Integer { lowest, highest, initial, .. } => {
+                            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
+                            format!("{lowest}..{highest}{initial}")
+                        }
+                    };
+                    w.line(format_args!("{} : {kind}{}", v.name.text, text(&v.description)))
                 })
             })?;
         }
@@ -65,6 +73,8 @@ impl Writer {
             })?;
         }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
+        m.functions.iter().try_for_each(|f| self.function(f))?;
+        m.sequences.iter().try_for_each(|s| self.sequence(s))?;
         for observer in &m.observers {
             let head = format!("observer {}{}", observer.name.text, text(&observer.description));
             self.block(format_args!("{head}"), |w| {
@@ -94,6 +104,44 @@ impl Writer {
         m.scenarios.iter().try_for_each(|s| {
             let after = s.after.as_ref().map(|t| format!(" after{}", quoted(t))).unwrap_or_default();
             self.block(format_args!("scenario{}{after}", quoted(&s.name)), |w| w.steps(&s.steps))
+        })
+    }
+
+    fn function(&mut self, f: &Function) -> fmt::Result {
+        let automatic = if f.automatic.is_some() { " automatic" } else { "" };
+        self.block(format_args!("function {}{automatic}{}", f.name.text, text(&f.description)), |w| {
+            for (word, guards) in [
+                ("request", &f.request),
+                ("release", &f.release),
+                ("activate", &f.activate),
+                ("deactivate", &f.deactivate),
+                ("abort", &f.abort),
+            ] {
+                guards.iter().try_for_each(|g| w.line(format_args!("{word} when {}", condition(g))))?;
+            }
+            w.body(&f.body)
+        })
+    }
+
+    fn sequence(&mut self, s: &Sequence) -> fmt::Result {
+        self.block(format_args!("sequence {}{}", s.name.text, text(&s.description)), |w| {
+            s.abort.iter().try_for_each(|g| w.line(format_args!("abort when {}", condition(g))))?;
+            s.steps.iter().try_for_each(|step| {
+                let doing = match &step.doing {
+                    SequenceDoing::Do(jobs) => {
+                        let job = |j: &Job| {
+                            let until = j.until.as_ref().map(|g| format!(" until {}", condition(g)));
+                            format!("{}{}", j.function.text, until.unwrap_or_default())
+                        };
+                        format!("do {}", jobs.iter().map(job).collect::<Vec<_>>().join(", "))
+                    }
+                    SequenceDoing::Activate(names) => format!("activate {}", list(names)),
+                    SequenceDoing::Deactivate(names) => format!("deactivate {}", list(names)),
+                    SequenceDoing::Until(g) => format!("wait until {}", condition(g)),
+                    SequenceDoing::Wait(d) => format!("wait {}ms", d.milliseconds.unwrap_or(0)),
+                };
+                w.line(format_args!("{doing}{}", text(&step.description)))
+            })
         })
     }
 
@@ -269,12 +317,12 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 }
 
 fn effects(effects: &[Effect]) -> String {
-    let verb = |e: &Effect| match e.value {
-        EffectValue::Bool(true) => "set",
-        EffectValue::Bool(false) => "reset",
-        EffectValue::Raised => "raise",
+    let one = |e: &Effect| match &e.value {
+        EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
+        EffectValue::Raised => format!("raise {}", e.variable.text),
+        EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
     };
-    effects.iter().map(|e| format!("{} {}", verb(e), e.variable.text)).collect::<Vec<_>>().join(", ")
+    effects.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 fn limit(limit: &Limit) -> String {
@@ -330,6 +378,13 @@ fn words(path: &Path) -> String {
     path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".")
 }
 
+fn number(number: &Number<Name>) -> String {
+    let mut out = String::new();
+    let written = number.write(&mut out, &mut |n, f| f.write_str(&n.text));
+    written.expect("writing to a string succeeds");
+    out
+}
+
 fn condition(guard: &Guard) -> String {
     expression(&guard.expr)
 }
@@ -339,6 +394,7 @@ fn expression(expr: &Expr<Term>) -> String {
     let path = |p: &PathRef| p.parts.iter().map(|(t, _)| t.as_str()).collect::<Vec<_>>().join(".");
     let written = expr.write(&mut out, &CHART, &mut |term, f| match term {
         Term::Value(p) => f.write_str(&path(p)),
+        Term::Compare(c, _) => c.write(f, &mut |n, f| f.write_str(&n.text)),
         Term::Prev(p) => write!(f, "prev({})", path(p)),
         Term::Rise(p) => write!(f, "rise({})", path(p)),
         Term::Fall(p) => write!(f, "fall({})", path(p)),

@@ -165,6 +165,11 @@ fn condition(machine: &Machine, property: usize) -> String {
 
 /// A run of the system as people see it, played once more by the simulator.
 fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
+    // What people look at is worth the time to make it calm.
+    let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
+    let property = subject.system.claims[claim].property;
+    let calm = question.is_demand().then(|| subject.system.calm(trace, property));
+    let trace = calm.as_ref().unwrap_or(trace);
     let replay = subject.system.replay(trace).expect("the engines replay what they return");
     let view = subject.view.frame();
     let frame = |values: &Vec<u64>| view.iter().map(|&l| lanes(values, l) & 1 == 1).collect();

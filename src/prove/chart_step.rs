@@ -14,10 +14,13 @@
 //! a late scan included.
 
 use super::chart_filter;
+use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
+use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
     Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
 };
+use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -42,31 +45,17 @@ pub struct ChartState {
     /// For each state of a region with a history, whether it was active when the region was active
     /// last; nothing for other states.
     pub last: Vec<Option<Lit>>,
+    /// For each integer, its value in as many bits as an INT has.
+    pub integers: Vec<Vector>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories,
+    /// integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last } = self;
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers } = self;
         let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
-        always.chain(last.iter().flatten()).copied().collect()
-    }
-
-    /// The same with other bits, made in the order of [`ChartState::bits`].
-    #[must_use]
-    pub fn map(&self, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
-        let mut each = |lits: &[Lit]| -> Vec<Lit> { lits.iter().map(|&l| f(l)).collect() };
-        ChartState {
-            active: each(&self.active),
-            variables: each(&self.variables),
-            inputs: each(&self.inputs),
-            outputs: each(&self.outputs),
-            raised: each(&self.raised),
-            fresh: each(&self.fresh),
-            past: each(&self.past),
-            marks: each(&self.marks),
-            last: self.last.iter().map(|l| l.map(&mut *f)).collect(),
-        }
+        always.chain(last.iter().flatten()).chain(integers.iter().flatten()).copied().collect()
     }
 }
 
@@ -145,6 +134,7 @@ impl<'m> ChartStep<'m> {
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
             last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
+            integers: numbers::initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
@@ -182,6 +172,7 @@ impl<'m> ChartStep<'m> {
         let moves = self.configuration(aig, &given.with(now), fires, start);
         let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
         now.variables = variables;
+        now.integers = self.count(aig, &now.integers, fires, &moves);
         now.active = moves.active;
         let gathered =
             [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
@@ -307,10 +298,10 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What becomes of variables by what happens once, and which events are raised: what states do when
-    /// they are left, from the inside out, transitions, those of outer regions first, what states do when
-    /// they are entered, from the outside in. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+    /// What happens once, with whether it does, in order: what states do when they are left, from the inside
+    /// out, transitions, those of outer regions first, what states do when they are entered, from the
+    /// outside in.
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> {
         let m = self.machine;
         let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
@@ -322,7 +313,14 @@ impl<'m> ChartStep<'m> {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
             steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
         }
-        let mut raisers = vec![Vec::new(); m.events.len()];
+        steps
+    }
+
+    /// What becomes of variables by what happens once, of which what comes later wins, and which events are
+    /// raised.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+        let steps = self.deeds(fires, moves);
+        let mut raisers = vec![Vec::new(); self.machine.events.len()];
         for (happens, deeds) in steps.values().flatten() {
             deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
         }
@@ -352,6 +350,29 @@ impl<'m> ChartStep<'m> {
                 Some(aig.select(active[parent.index()], active[id.index()], last?))
             })
             .collect()
+    }
+
+    /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
+    /// the range.
+    fn count(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit], moves: &Moves) -> Vec<Vector> {
+        let mut after = before.to_vec();
+        if before.is_empty() {
+            return after;
+        }
+        for (happens, deeds) in self.deeds(fires, moves).into_values().flatten() {
+            for assignment in &deeds.assignments {
+                let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
+                let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
+                let value = numbers::number(aig, &assignment.value, before);
+                let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
+                let kept = vector::select(aig, low, &lowest, &value);
+                let kept = vector::select(aig, high, &highest, &kept);
+                let after = &mut after[assignment.integer.index()];
+                let kept = vector::fit(&kept, after.len());
+                *after = vector::select(aig, happens, &kept, after);
+            }
+        }
+        after
     }
 
     /// Everything after the charts' steps.
@@ -384,7 +405,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, entered, fires, enabled, raised } = now;
+        let Now { active, variables, integers, entered, fires, enabled, raised } = now;
         let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
@@ -403,6 +424,7 @@ impl<'m> ChartStep<'m> {
             past,
             marks: filtered.marks,
             last,
+            integers,
         };
         ChartScan {
             after,
@@ -443,6 +465,7 @@ fn histories(machine: &Machine) -> Vec<bool> {
 struct Now {
     active: Vec<Lit>,
     variables: Vec<Lit>,
+    integers: Vec<Vector>,
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
@@ -456,6 +479,7 @@ impl Now {
         Now {
             active: before.active.clone(),
             variables: before.variables.clone(),
+            integers: before.integers.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
             enabled: vec![Lit::FALSE; machine.transitions.len()],
@@ -494,7 +518,7 @@ struct Given<'a> {
 
 impl<'a> Given<'a> {
     fn with(self, now: &'a Now) -> Reading<'a> {
-        Reading { given: self, active: &now.active, variables: &now.variables }
+        Reading { given: self, active: &now.active, variables: &now.variables, integers: &now.integers }
     }
 }
 
@@ -503,6 +527,7 @@ struct Reading<'a> {
     given: Given<'a>,
     active: &'a [Lit],
     variables: &'a [Lit],
+    integers: &'a [Vector],
 }
 
 impl Reading<'_> {
@@ -520,6 +545,7 @@ impl Reading<'_> {
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::Event(e) => self.given.before.raised[e.index()],
+            Atom::Compare(c) => numbers::compare(aig, &self.given.step.machine.comparisons[c], self.integers),
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {

@@ -6,7 +6,8 @@
 //!
 //! The steps run in this order, each in a file of its own:
 //!
-//! 1. [`signals`]: inputs, outputs, variables, events
+//! 0. [`functions`]: functions and sequences become charts
+//! 1. [`signals`]: inputs, outputs, variables, events; [`integers`] holds what is said of integers
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: observers, charts, regions and states, movements among them
 //! 4. [`targets`]: where regions begin, where transitions lead
@@ -20,6 +21,8 @@
 mod actuators;
 mod behaviour;
 mod expressions;
+mod functions;
+mod integers;
 mod names;
 mod plant;
 mod properties;
@@ -32,8 +35,10 @@ mod targets;
 mod transitions;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Id};
+use crate::ir::number::Comparison;
 use crate::ir::{ast, chart};
 use names::Names;
+use std::collections::HashMap;
 
 /// Resolves a tree. The machine is whole only if there is no error among the diagnostics.
 pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
@@ -44,10 +49,12 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
             ..chart::Machine::default()
         },
         names: Names::default(),
+        comparisons: HashMap::new(),
         diagnostics: Diagnostics::new(),
     };
     resolver.legal(&tree.name);
     resolver.cycle(tree);
+    let tree = &functions::expand(&mut resolver, tree);
     signals::resolve(&mut resolver, tree);
     actuators::resolve(&mut resolver, tree);
     let (bodies, mut choices) = states::resolve(&mut resolver, tree);
@@ -67,6 +74,8 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
 struct Resolver {
     machine: chart::Machine,
     names: Names,
+    /// Which comparisons there are so far; only looked up, never walked.
+    comparisons: HashMap<Comparison<chart::IntegerId>, chart::ComparisonId>,
     diagnostics: Diagnostics,
 }
 

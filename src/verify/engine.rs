@@ -149,7 +149,7 @@ impl Check<'_, '_, '_> {
             Err(trace) => {
                 let property = self.system.claims[claim].property;
                 if self.system.shows(&trace, property) {
-                    Verdict::Violated(self.system.calm(&trace, property))
+                    Verdict::Violated(trace)
                 } else {
                     Verdict::Unknown(Limit::Replay)
                 }

@@ -84,12 +84,12 @@ pub struct View {
 
 impl View {
     /// What can be seen, in this order: inputs, hidden bits, outputs, variables, events, states, alarms of
-    /// constraints, alarms of assumptions, what the filter remembers.
+    /// constraints, alarms of assumptions, what the filter remembers, the bits of integers.
     pub fn frame(&self) -> Vec<Lit> {
         let ChartScan { after, events, acted, broken, .. } = &self.scan;
         let ChartState { outputs, variables, active, marks, .. } = after;
         let lists = [&self.inputs, &self.bits, outputs, variables, events, active, acted, broken, marks];
-        lists.into_iter().flatten().copied().collect()
+        lists.into_iter().flatten().chain(after.integers.iter().flatten()).copied().collect()
     }
 }
 
@@ -160,7 +160,7 @@ fn filter(
         Atom::PrevInput(i) => past_inputs[i.index()],
         Atom::PrevOutput(o) => before.outputs[o.index()],
         Atom::Variable(v) => variables[v.index()],
-        Atom::Output(_) | Atom::Event(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+        Atom::Output(_) | Atom::Event(_) | Atom::Compare(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
             unreachable!("a filter reads signals and their past")
         }
     };
@@ -178,6 +178,7 @@ fn filter(
         marks: filtered.marks,
         raised: no(&before.raised),
         last: before.last.iter().map(|l| l.map(|_| Lit::FALSE)).collect(),
+        integers: before.integers.iter().map(|i| no(i)).collect(),
     };
     let fires = vec![Lit::FALSE; machine.transitions.len()];
     let enabled = fires.clone();
@@ -190,7 +191,7 @@ fn remembered(system: &mut System, machine: &Machine, step: &ChartStep<'_>) -> C
     // Once over literals that mean nothing, to know which bit is what.
     let mut aig = Aig::new();
     let inputs: Vec<Lit> = machine.inputs.values().map(|_| Lit::FALSE).collect();
-    let shape = step.first(&mut aig, &inputs).after.map(&mut |_| aig.leaf(""));
+    let shape = map(&step.first(&mut aig, &inputs).after, &mut |_| aig.leaf(""));
     let mut names = BTreeMap::new();
     let mut name = |lits: &[Lit], words: Vec<String>| names.extend(lits.iter().copied().zip(words));
     name(&shape.active, machine.states.ids().map(|s| format!("in({})", machine.state_path(s))).collect());
@@ -199,7 +200,7 @@ fn remembered(system: &mut System, machine: &Machine, step: &ChartStep<'_>) -> C
     name(&shape.raised, machine.events.values().map(|e| e.name.clone()).collect());
     name(&shape.outputs, machine.outputs.values().map(|o| format!("prev({})", o.name)).collect());
     let mut number = 0;
-    shape.map(&mut |l| {
+    map(&shape, &mut |l| {
         number += 1;
         let name = names.get(&l).cloned().unwrap_or_else(|| format!("memory {number}"));
         system.latch(name, Some(false))
@@ -236,6 +237,23 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
         acted: pick(&then.acted, &otherwise.acted),
         broken: pick(&then.broken, &otherwise.broken),
         begins: pick(&then.begins, &otherwise.begins),
-        after: then.after.map(&mut |_| bits.next().expect("both remember the same")),
+        after: map(&then.after, &mut |_| bits.next().expect("both remember the same")),
+    }
+}
+
+/// The same memory with other bits, made in the order of [`ChartState::bits`].
+fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
+    let mut each = |lits: &[Lit]| -> Vec<Lit> { lits.iter().map(|&l| f(l)).collect() };
+    ChartState {
+        active: each(&state.active),
+        variables: each(&state.variables),
+        inputs: each(&state.inputs),
+        outputs: each(&state.outputs),
+        raised: each(&state.raised),
+        fresh: each(&state.fresh),
+        past: each(&state.past),
+        marks: each(&state.marks),
+        last: state.last.iter().map(|l| l.map(|l| each(&[l])[0])).collect(),
+        integers: state.integers.iter().map(|i| each(i)).collect(),
     }
 }

@@ -5,6 +5,7 @@ use super::super::system::Property;
 use super::{Program, Subject, View};
 use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
 use crate::ir::scenario::{Condition, PropertyKind, Seen};
+use crate::prove::chart_numbers::compare;
 use std::collections::BTreeSet;
 
 /// One question. Where nothing else is said, the claim of the system says that it never is.
@@ -70,7 +71,9 @@ impl Subject<'_> {
         for (id, constraint) in machine.safety.constraints.iter() {
             // An observer may step between the filter and the end of the scan, where the condition is read.
             let mut observes = false;
-            constraint.never.for_each_atom(&mut |atom| observes |= matches!(atom, Atom::In(_) | Atom::Done(_)));
+            constraint
+                .never
+                .for_each_atom(&mut |atom| observes |= matches!(atom, Atom::Compare(_) | Atom::In(_) | Atom::Done(_)));
             if observes {
                 continue;
             }
@@ -114,7 +117,7 @@ impl Subject<'_> {
 fn reads_states(condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_)));
+        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_) | Atom::Compare(_)));
     });
     reads
 }
@@ -174,7 +177,7 @@ impl View {
             Atom::PrevOutput(o) => Some(self.past_outputs[o.index()]),
             Atom::Variable(v) => Some(self.scan.after.variables[v.index()]),
             Atom::Event(e) => Some(self.scan.events[e.index()]),
-            Atom::In(_) | Atom::Done(_) | Atom::After(..) => None,
+            Atom::Compare(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => None,
         }
     }
 
@@ -193,6 +196,7 @@ impl View {
                 aig.all(&ended)
             }
             Atom::After(..) => Lit::FALSE,
+            Atom::Compare(c) => compare(aig, &machine.comparisons[c], &self.scan.after.integers),
             other => self.signal(other).expect("it is a signal"),
         }
     }

@@ -10,6 +10,7 @@ mod invalid;
 mod layers;
 mod layout;
 mod licences;
+mod machines;
 mod mutants;
 mod never_entered;
 mod observers;

@@ -13,6 +13,7 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Event(chart::EventId),
     Bit(BitId),
 }
 
@@ -63,7 +64,7 @@ impl Resolver {
         );
     }
 
-    /// Enters an input, output or variable; its name goes into the PLC as it is.
+    /// Enters an input, output, variable or event; its name goes into the PLC as it is.
     pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
         self.legal(name);
         if iec::is_keyword(&name.text) {
@@ -181,6 +182,17 @@ impl Resolver {
             Some(Symbol::Variable(id)) => Some(id),
             other => {
                 self.wrong_symbol(name, other, "a variable");
+                None
+            }
+        }
+    }
+
+    /// The event of that name, or an error.
+    pub fn event(&mut self, name: &ast::Name) -> Option<chart::EventId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Event(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an event");
                 None
             }
         }
@@ -373,6 +385,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Event(_) => "an event",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

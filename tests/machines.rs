@@ -72,24 +72,47 @@ enum Turned {
     Left,
 }
 
-/// How long the rods take for their ways, in scans.
-type Speeds = [u32; 4];
+/// How long each rod takes for its way, and how long it hesitates before it sets out, in scans.
+#[derive(Clone, Copy, Debug)]
+struct Speeds {
+    way: [u32; 4],
+    start: [u32; 4],
+}
+
+/// A rod takes four scans for its way, as the reference has it, and sets out at once.
+const LOCK_STEP: Speeds = Speeds { way: [4; 4], start: [0; 4] };
 
 /// Speeds to try a machine with, the same each time.
 fn speeds() -> Vec<Speeds> {
     let mut rng = Rng::new(4);
-    let mut all = vec![[4; 4], [1; 4], [40, 4, 4, 4], [4, 40, 4, 4], [4, 4, 40, 4], [4, 4, 4, 40]];
-    all.extend((0..24).map(|_| [0; 4].map(|_| *rng.pick(&[1, 2, 3, 4, 7, 20]))));
+    let mut all = vec![LOCK_STEP, Speeds { way: [1; 4], start: [0; 4] }];
+    for k in 0..4 {
+        let (mut slow, mut idle) = (LOCK_STEP, LOCK_STEP);
+        slow.way[k] = 40;
+        idle.start[k] = 9;
+        all.extend([slow, idle]);
+    }
+    all.extend((0..20).map(|i| Speeds {
+        way: [0; 4].map(|_| *rng.pick(&[1, 2, 3, 4, 7, 20])),
+        start: [0; 4].map(|_| if i % 2 == 0 { 0 } else { *rng.pick(&[1, 2, 9]) }),
+    }));
     all
 }
 
 /// Turns that many pallets for that many scans.
 fn turn(source: &str, speeds: Speeds, pallets: &[usize], scans: usize) -> Turned {
     let mut source = source.to_owned();
-    for (k, scans) in (1..).zip(speeds) {
+    for k in 1..=4 {
+        let (way, start) = (speeds.way[k - 1], speeds.start[k - 1]);
         let travels = format!("Rod{k} travels 4 scans");
         assert!(source.contains(&travels));
-        source = source.replace(&travels, &format!("Rod{k} travels {scans} scans"));
+        let mut told = format!("Rod{k} travels {way} scans");
+        if start > 0 {
+            told = format!(
+                "hidden Air{k} Air{k} rises when O{k} after {start} scans Air{k} falls when not O{k} {told} when Air{k}"
+            );
+        }
+        source = source.replace(&travels, &told);
     }
     let machine = machine(&source);
     let mut square = Loop::new(&machine);
@@ -146,8 +169,9 @@ fn without(drop: impl Fn(&str) -> bool) -> String {
 #[test]
 fn pallets_turn_as_often_as_the_reference_says() {
     let source = model("four_cylinders", &[]);
-    for (pallets, moves) in [(&[1][..], 200), (&[1, 3], 400), (&[1, 2], 400), (&[1, 2, 3], 200), (&[1, 2, 3, 4], 0)] {
-        assert_eq!(turn(&source, [4; 4], pallets, 2000), Turned::Moves(moves), "{pallets:?}");
+    // Two neighbours take a move to get apart.
+    for (pallets, moves) in [(&[1][..], 200), (&[1, 3], 400), (&[1, 2], 399), (&[1, 2, 3], 200), (&[1, 2, 3, 4], 0)] {
+        assert_eq!(turn(&source, LOCK_STEP, pallets, 2000), Turned::Moves(moves), "{pallets:?}");
     }
 }
 
@@ -215,8 +239,8 @@ fn an_observer_of_one_step_a_scan_blocks_a_fast_machine() {
     // The edge of the last scan, taken in before the filter; a fast rod is back before it is reset.
     let slow = varied(&[(SET, "from Free{k} to Carried{k} when prev(O{k}) and prev(B{k}) and prev(I{k})")]);
     assert_eq!(accidents(&slow), []);
-    let fast = [1; 4];
-    for pallets in [&[1, 3][..], &[1, 2, 3]] {
+    let fast = Speeds { way: [1; 4], start: [0; 4] };
+    for pallets in [&[1, 2][..], &[1, 2, 3]] {
         let Turned::Moves(after) = turn(&slow, fast, pallets, 400) else { panic!("an accident") };
         assert_eq!(turn(&slow, fast, pallets, 4000), Turned::Moves(after), "it goes on moving");
         assert!(matches!(turn(&model("four_cylinders", &[]), fast, pallets, 4000), Turned::Moves(1000..)));
@@ -228,11 +252,11 @@ fn other_reliefs_get_stuck() {
     const COMBINED: &str = "never rise(O{k}) and rise(O{n}) and I{k} yields O{n}";
     // All four constraints act at once and all orders are taken back, for ever.
     let always = varied(&[(COMBINED, "never rise(O{k}) and rise(O{n}) yields O{n}")]);
-    assert_eq!(turn(&always, [4; 4], &[1], 2000), Turned::Moves(0));
+    assert_eq!(turn(&always, LOCK_STEP, &[1], 2000), Turned::Moves(0));
     let first = varied(&[(COMBINED, "never rise(O{k}) and rise(O{n}) yields O{k}")]);
-    assert_eq!(turn(&first, [4; 4], &[1], 2000), Turned::Moves(0));
+    assert_eq!(turn(&first, LOCK_STEP, &[1], 2000), Turned::Moves(0));
     let pushing = varied(&[(COMBINED, "never rise(O{k}) and rise(O{n}) and I{k} yields O{k}")]);
-    assert_eq!(turn(&pushing, [4; 4], &[1], 2000), Turned::Moves(0));
+    assert_eq!(turn(&pushing, LOCK_STEP, &[1], 2000), Turned::Moves(0));
     for other in [always, first, pushing] {
         assert_eq!(accidents(&other), []);
     }

@@ -237,13 +237,13 @@ impl Resolver {
             Context::Constraint | Context::Assumption => return self.knows_no_states(path, context),
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
-        let found = match (self.chart(parts[0].0), &parts[1..], context) {
-            // From outside, the name of a chart may stand before the path.
-            (Some(region), rest @ [_, ..], Context::Expectation) => self.state(rest, Some(region)),
+        let found = match (self.chart(parts[0].0), &parts[1..]) {
+            // The name of a chart may stand before the path.
+            (Some(first), rest @ [_, ..]) => self.state_of_chart(&parts[0], rest, first),
             _ => self.state(&parts, region),
         };
         let Some(state) = found else { return Expr::FALSE };
-        if let Context::Guard { region, .. } = context
+        if let Context::Guard { region, .. } | Context::Active { region } = context
             && self.machine.kind(*region) == chart::ChartKind::Observer
             && !self.machine.observes(state)
         {

@@ -96,6 +96,8 @@ pub struct Actuator {
     pub technology: Technology,
     /// Where the technology stands.
     pub technology_span: Span,
+    /// `valve …` and where its kind stands.
+    pub valve: Option<(Valve, Span)>,
     /// `by OUTPUT` of the short form.
     pub by: Option<Name>,
     /// What it is.
@@ -113,6 +115,15 @@ pub enum Technology {
     Monostable,
     /// One output, TRUE while on.
     OnOff,
+}
+
+/// What a bistable actuator does when neither of its outputs is TRUE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Valve {
+    /// `closed-centre`: it stands where it is.
+    ClosedCentre,
+    /// `memory`: it goes on by its last order.
+    Memory,
 }
 
 /// `position Down output OVC sensor V1 "…"`.
@@ -364,6 +375,47 @@ pub struct Safety {
     pub constraints: Vec<Constraint>,
     /// The assumptions in order.
     pub assumptions: Vec<Constraint>,
+    /// What is forbidden, in order.
+    pub forbids: Vec<Forbid>,
+    /// What is to be derived, in order.
+    pub derives: Vec<Derive>,
+}
+
+/// `F1: forbid Horizontal between unless Vertical at Up "…"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Forbid {
+    /// Its name.
+    pub name: Name,
+    /// Where one actuator must not be …
+    pub first: Place,
+    /// … unless (TRUE) or while (FALSE) …
+    pub unless: bool,
+    /// … another one is here.
+    pub second: Place,
+    /// Why.
+    pub text: Option<Text>,
+}
+
+/// `Vertical at Up`, or `Vertical between`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The actuator.
+    pub actuator: Name,
+    /// Its position; nothing for `between`.
+    pub position: Option<Name>,
+}
+
+/// `derive all by edges except End_OHC`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Derive {
+    /// What it is derived from, or single constraints; none for `all`.
+    pub names: Vec<Name>,
+    /// `by edges`, where it stands.
+    pub edges: Option<Span>,
+    /// What is left out.
+    pub except: Vec<Name>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.

@@ -101,6 +101,9 @@ struct Model {
     addresses: bool,
 }
 
+/// What is said of the valve of each bistable actuator, in turn.
+const VALVES: [&str; 3] = [" valve memory", "", " valve closed-centre"];
+
 impl Model {
     fn new(mut rng: Rng, size: usize) -> Model {
         // Now and then more than fit into a word.
@@ -184,7 +187,8 @@ impl Model {
                 let sensor = if technology == Technology::OnOff { String::new() } else { self.sensor() };
                 positions.push(Item::line(format!("position {}{output}{sensor}", self.position(i, p))));
             }
-            items.push(Item::block(format!("actuator Act{i} {word}"), positions));
+            let valve = if technology == Technology::Bistable { VALVES[i % VALVES.len()] } else { "" };
+            items.push(Item::block(format!("actuator Act{i} {word}{valve}"), positions));
         }
         items
     }

@@ -4,6 +4,7 @@
 //!
 //! - [`lower`](crate::lower) cannot fail;
 //! - every state can be entered, so every step of every SFC is reached from its initial step;
+//! - observers know nothing of control charts;
 //! - no variable is written by two regions in one scan, no actuator driven both ways;
 //! - the corrected filter algorithm leaves no constraint violated (properties 0, 1, 3, 4 and the
 //!   absence of opposite reliefs, under the declared assumptions).
@@ -13,6 +14,7 @@ mod dead;
 mod done;
 mod entered;
 mod fires;
+mod observers;
 mod opposed_drives;
 mod priorities;
 mod relation;
@@ -31,6 +33,7 @@ pub fn check(machine: &Machine) -> Diagnostics {
     done::check(machine, &mut found);
     priorities::check(machine, &mut found);
     fires::check(machine, &mut found);
+    observers::check(machine, &mut found);
     writes::check(machine, &mut found);
     opposed_drives::check(machine, &mut found);
     coherence::check(machine, &mut found);

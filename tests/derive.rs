@@ -87,7 +87,8 @@ fn the_prehensor_never_comes_where_it_must_not() {
             assert_eq!(code(&output), 0, "{}", stderr(&output));
             let mut lines = stdout(&output).lines();
             let head: Vec<&str> = lines.next().expect("a head").split(',').collect();
-            let column = |name: &str| head.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name}: {head:?}"));
+            let column =
+                |name: &str| head.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name}: {head:?}"));
             let [up, down, inside, out] = ["Up", "Down", "In", "Out"].map(column);
             let mut seen = HashSet::new();
             for line in lines {
@@ -106,7 +107,9 @@ fn the_prehensor_never_comes_where_it_must_not() {
 /// A machine of two actuators whose positions are forbidden together, each at random.
 fn pair(rng: &mut Rng) -> String {
     let actuator = |rng: &mut Rng, name: &str| match rng.below(3) {
-        0 => format!("actuator {name} monostable {{ position P sensor {name}P  position Q output {name}Out sensor {name}Q }}"),
+        0 => format!(
+            "actuator {name} monostable {{ position P sensor {name}P  position Q output {name}Out sensor {name}Q }}"
+        ),
         n => format!(
             "actuator {name} bistable valve {} {{ position P output {name}Back sensor {name}P  position Q output {name}Out sensor {name}Q }}",
             ["memory", "closed-centre"][n - 1]
@@ -151,7 +154,13 @@ fn explore(machine: &Machine, forbidden: &[[bool; 3]; 3], start: [usize; 2]) -> 
         let a = actuators[i];
         let (back, out) = (on(written, a.positions[0].output), on(written, a.positions[1].output));
         match (a.technology, back, out) {
-            (Technology::Monostable, ..) => if out { 2 } else { 0 },
+            (Technology::Monostable, ..) => {
+                if out {
+                    2
+                } else {
+                    0
+                }
+            }
             (_, true, false) => 0,
             (_, false, true) => 2,
             _ => remembered,
@@ -159,7 +168,9 @@ fn explore(machine: &Machine, forbidden: &[[bool; 3]; 3], start: [usize; 2]) -> 
     };
     // A closed-centre valve remembers to stand: 1.
     let memory = |i: usize, text: usize| if machine.description.as_bytes()[i] == b'm' { text } else { 1 };
-    let sensors = |at: [usize; 2]| (0..2).fold(0, |s, i| s | u32::from(at[i] == 0) << (2 * i) | u32::from(at[i] == 2) << (2 * i + 1));
+    let sensors = |at: [usize; 2]| {
+        (0..2).fold(0, |s, i| s | u32::from(at[i] == 0) << (2 * i) | u32::from(at[i] == 2) << (2 * i + 1))
+    };
     let products: Vec<_> = machine.safety.constraints.values().flat_map(|c| &c.products).collect();
     let allowed = |new: u32, old: u32, now: u32, before: u32| {
         let value = |a: Atom| match a {
@@ -242,11 +253,13 @@ fn what_is_forbidden_is_never_reached() {
             // Sensors and rules never contradict each other.
             panic!("{source}\n{diagnostics:?}");
         };
-        let valve = |name: &str| if source.contains(&format!("actuator {name} bistable valve memory")) { 'm' } else { 'c' };
+        let valve =
+            |name: &str| if source.contains(&format!("actuator {name} bistable valve memory")) { 'm' } else { 'c' };
         machine.description = format!("{}{}", valve("A"), valve("B"));
         // At rest: monostable actuators at their first positions.
         for start in [[0, 0], [0, 2], [2, 0], [2, 2]] {
-            let springs = machine.actuators.values().zip(start).any(|(a, at)| a.technology == Technology::Monostable && at != 0);
+            let springs =
+                machine.actuators.values().zip(start).any(|(a, at)| a.technology == Technology::Monostable && at != 0);
             if springs || forbidden[start[0]][start[1]] {
                 continue;
             }
@@ -270,7 +283,8 @@ fn derived_constraints_are_printed_as_a_model_writes_them() {
     let lines: Vec<&str> = stdout(&output).lines().filter(|l| !l.starts_with("//")).collect();
     assert_eq!(lines.len(), 22);
     // Written instead of derived, they mean the same.
-    let written = prehensor().replace("derive all", &format!("derive all except F1, Vertical, Horizontal\n{}", lines.join("\n")));
+    let written =
+        prehensor().replace("derive all", &format!("derive all except F1, Vertical, Horizontal\n{}", lines.join("\n")));
     assert_eq!(never(&written), never(&prehensor()));
     let json = chartwright(&models, "constraints --derive --format json prehensor.chart");
     assert!(stdout(&json).contains("\"Hold_Go_in\""));

@@ -18,7 +18,7 @@ use super::{Condition, Derived, before, derived, fall, rise, sensor, value};
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast::{self, Actuator, Forbid, Guard, Name, Place, Technology, Valve};
 use crate::ir::expr::Expr;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Where an actuator can be: at its first position, between, at its second.
 const ZONES: [usize; 3] = [0, 1, 2];
@@ -174,25 +174,27 @@ impl<'a> Pair<'a> {
         let span = source.span;
         let orders = [self.members[0].orders(true), self.members[1].orders(false)];
         let bad = [0, 1].map(|w| orders[w].iter().map(|o| self.bad(w, o)).collect::<Vec<_>>());
-        let mut dangerous = |order: &Order<'a>, end: Option<Condition>| {
+        let mut dangerous = |order: &Order<'a>, end: Option<(Member<'a>, &[usize])>| {
             let held = held.entry((order.member.index, order.to)).or_insert(Held {
                 order: *order,
-                ends: Vec::new(),
+                ends: BTreeMap::new(),
                 sources: Vec::new(),
             });
-            held.ends.extend(end);
+            if let Some((other, zones)) = end {
+                held.ends.entry(other.index).or_insert((other, BTreeSet::new())).1.extend(zones);
+            }
             if !held.sources.contains(&source.text) {
                 held.sources.push(source.text.clone());
             }
         };
         for which in [0, 1] {
             for (order, zones) in orders[which].iter().zip(&bad[which]).filter(|(_, zones)| !zones.is_empty()) {
-                let other = self.members[1 - which].within(zones, span);
+                let other = self.members[1 - which];
                 let begins = if order.level { value(order.output, span) } else { order.begins(span) };
                 let text = format!("{}{reason}", order.words());
                 let name = format!("{}_{}", source.text, order.name());
-                all.push(derived(source, name, vec![begins, other.clone()], None, text));
-                dangerous(order, order.level.then_some(other));
+                all.push(derived(source, name, vec![begins, other.within(zones, span)], None, text));
+                dangerous(order, order.level.then_some((other, zones.as_slice())));
             }
         }
         for (a, bad_a) in orders[0].iter().zip(&bad[0]) {
@@ -226,7 +228,8 @@ impl<'a> Pair<'a> {
 /// An order that has to stay until its end is reached, and what ends it before.
 struct Held<'a> {
     order: Order<'a>,
-    ends: Vec<Condition>,
+    /// By the index of another actuator, the zones of that one in which the order is taken back.
+    ends: BTreeMap<usize, (Member<'a>, BTreeSet<usize>)>,
     /// The forbidden positions that need it.
     sources: Vec<String>,
 }
@@ -234,12 +237,15 @@ struct Held<'a> {
 impl Held<'_> {
     fn derive(self) -> Option<Derived> {
         let (order, actuator) = (self.order, self.order.member.actuator);
-        if !matches!(actuator.valve, Some((Valve::Memory, _))) {
+        // What is never allowed need not be held.
+        let never = self.ends.values().any(|(_, zones)| zones.len() == ZONES.len());
+        if never || !matches!(actuator.valve, Some((Valve::Memory, _))) {
             return None;
         }
         let span = actuator.name.span;
         let there = sensor(order.member.sensors[order.to / 2], span);
-        let ends = self.ends.into_iter().map(Expr::not);
+        let zones = |zones: &BTreeSet<usize>| zones.iter().copied().collect::<Vec<_>>();
+        let ends = self.ends.values().map(|(other, taken)| other.within(&zones(taken), span).not());
         let parts = [fall(order.output, span), there.not()].into_iter().chain(ends).collect();
         let text = format!("{} until it is there: the valve remembers", order.words());
         let mut d = derived(&actuator.name, format!("Hold_{}", order.output.text), parts, None, text);

@@ -17,6 +17,9 @@ pub const REGION_STATES: usize = 149;
 /// and a program of that size is at the end of what a person and an IDE can take.
 pub const REGION_TRANSITIONS: usize = 1_000;
 
+/// Most ways that lead through choices from one place, and most choices on one way.
+pub const WAYS: usize = 64;
+
 /// Longest name that a model may give anything, in characters.
 pub const NAME_LENGTH: usize = 48;
 
@@ -25,6 +28,9 @@ pub const PLC_NAME_LENGTH: usize = 64;
 
 /// Most products that one safety constraint may split into.
 pub const CONSTRAINT_PRODUCTS: usize = 64;
+
+/// Most constants and variables of one integer expression.
+pub const OPERANDS: usize = 32;
 
 /// Most errors that one run reports; the rest is counted.
 pub const REPORTED_ERRORS: usize = 50;

@@ -8,19 +8,28 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
     let mut read = vec![false; machine.variables.len()];
     let mut written = vec![false; machine.variables.len()];
+    let mut heard = vec![false; machine.events.len()];
+    let mut raised = vec![false; machine.events.len()];
+    let mut compared = vec![false; machine.comparisons.len()];
     let mut driven = vec![false; machine.outputs.len()];
     let mut look = |guard: &Guard| {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
+            Atom::Event(e) => heard[e.index()] = true,
+            Atom::Compare(c) => compared[c.index()] = true,
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
-    let mut write = |deeds: &Deeds| deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
+    let mut write = |deeds: &Deeds| {
+        deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
+        deeds.raises.iter().for_each(|e| raised[e.index()] = true);
+    };
     for t in machine.transitions.values() {
         look(&t.guard);
         write(&t.deeds);
     }
+    machine.regions.values().flat_map(|r| &r.entries).for_each(|(g, _)| look(g));
     machine.states.values().flat_map(|s| [&s.entry, &s.exit]).for_each(write);
     for state in machine.states.values() {
         for d in &state.drives {
@@ -56,6 +65,18 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(variable.span, "declared here"),
         );
     }
+    for (id, event) in machine.events.iter() {
+        let problem = match (heard[id.index()], raised[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never read",
+            (true, false) => "never raised",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the event `{}` is {problem}", event.name))
+                .label(event.span, "declared here"),
+        );
+    }
+    integers(machine, &compared, found);
     for (id, output) in machine.outputs.iter() {
         if !driven[id.index()] {
             found.push(
@@ -64,5 +85,33 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                     .help("write `drives` in a state, or let a region control its actuator"),
             );
         }
+    }
+}
+
+/// Integers: `compared` says which comparisons conditions of the program read.
+fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
+    let mut read = vec![false; machine.integers.len()];
+    let mut written = vec![false; machine.integers.len()];
+    for ((_, comparison), _) in machine.comparisons.iter().zip(compared).filter(|(_, compared)| **compared) {
+        comparison.left.for_each_value(&mut |i| read[i.index()] = true);
+        comparison.right.for_each_value(&mut |i| read[i.index()] = true);
+    }
+    let states = machine.states.values().flat_map(|s| [&s.entry, &s.exit]);
+    let deeds = machine.transitions.values().map(|t| &t.deeds).chain(states);
+    for assignment in deeds.flat_map(|d| &d.assignments) {
+        written[assignment.integer.index()] = true;
+        // What only keeps itself up is of no use to anything else.
+        assignment.value.for_each_value(&mut |i| read[i.index()] |= *i != assignment.integer);
+    }
+    for (id, integer) in machine.integers.iter() {
+        let problem = match (read[id.index()], written[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never compared with anything",
+            (true, false) => "never given another value",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
+                .label(integer.span, "declared here"),
+        );
     }
 }

@@ -4,10 +4,16 @@
 //! for what can stand where.
 
 use super::expr::Expr;
+use super::number::{Comparison, Number};
 use crate::base::Span;
 
+mod derive;
+mod ways;
+pub use derive::{Derive, Forbid, Place, Valve};
+pub use ways::{Branch, Choice, Source, Target};
+
 /// A word with its place: a declared name or one part of a path.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Name {
     /// The word as written.
     pub text: String,
@@ -53,6 +59,8 @@ pub struct Machine {
     pub outputs: Vec<Signal>,
     /// All `variables { … }` in order.
     pub variables: Vec<Variable>,
+    /// All `events { … }` in order.
+    pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
     /// All `observer …` in order.
@@ -83,10 +91,37 @@ pub struct Signal {
 pub struct Variable {
     /// The variable's name.
     pub name: Name,
-    /// Its value before the first scan; FALSE if not given.
-    pub initial: bool,
+    /// What it can hold.
+    pub kind: VariableKind,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// `JarPlaced "…"` among events.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The event's name.
+    pub name: Name,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
+/// What a variable can hold, and what it holds before the first scan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum VariableKind {
+    /// `BOOL := true`; FALSE if not given.
+    Bool(bool),
+    /// `0..3 := 2`.
+    Integer {
+        /// The lowest value.
+        lowest: i64,
+        /// The highest value.
+        highest: i64,
+        /// The value before the first scan, if it is given, and where.
+        initial: Option<(i64, Span)>,
+        /// Where the range stands.
+        span: Span,
+    },
 }
 
 /// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
@@ -119,16 +154,7 @@ pub enum Technology {
     OnOff,
 }
 
-/// What a bistable actuator does when neither of its outputs is TRUE.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Valve {
-    /// `closed-centre`: it stands where it is.
-    ClosedCentre,
-    /// `memory`: it goes on by its last order.
-    Memory,
-}
-
-/// `position Down output OVC sensor V1 "…"`.
+/// `position Down output OVC sensor V1 within 2s else set Late "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The position's name.
@@ -137,8 +163,21 @@ pub struct Position {
     pub output: Option<Name>,
     /// What is TRUE when it is reached.
     pub sensor: Option<Guard>,
+    /// `within … else …`.
+    pub limit: Option<Limit>,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// `within 2s else set Late`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// How long a movement may take.
+    pub time: Duration,
+    /// What happens if it takes longer.
+    pub effects: Vec<Effect>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// An expression with its place.
@@ -155,6 +194,8 @@ pub struct Guard {
 pub enum Term {
     /// The value of something: `H0`, or a path, which cannot be a value but deserves a good message.
     Value(PathRef),
+    /// `Layers + 1 < Limit`, and where.
+    Compare(Comparison<Name>, Span),
     /// `prev(x)`.
     Prev(PathRef),
     /// `rise(x)`.
@@ -236,6 +277,8 @@ pub struct Body {
     pub states: Vec<State>,
     /// `region …`, only in parallel states and charts.
     pub regions: Vec<Region>,
+    /// `choice …`.
+    pub choices: Vec<Choice>,
     /// `from … to …` and `move from … to …`.
     pub transitions: Vec<Transition>,
     /// `drives …`.
@@ -255,7 +298,18 @@ pub struct Body {
 impl Body {
     /// Whether it says what a state does, apart from what the state holds.
     pub fn does_something(&self) -> bool {
-        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        let Body {
+            drives,
+            actions,
+            entry,
+            exit,
+            internals,
+            states: _,
+            regions: _,
+            choices: _,
+            transitions: _,
+            span: _,
+        } = self;
         !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
     }
 }
@@ -299,8 +353,8 @@ pub struct Region {
 pub struct Transition {
     /// Where it starts.
     pub source: Source,
-    /// Where it leads.
-    pub target: Path,
+    /// Where it leads; one state for a movement.
+    pub target: Target,
     /// Present for a movement.
     pub movement: Option<Movement>,
     /// `priority N`.
@@ -313,15 +367,6 @@ pub struct Transition {
     pub description: Option<Text>,
     /// All of it.
     pub span: Span,
-}
-
-/// Where a transition starts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// One state.
-    State(Path),
-    /// `any`: each state of the region in which it is written.
-    Any(Span),
 }
 
 /// What makes a transition a movement.
@@ -348,13 +393,24 @@ pub struct Internal {
     pub span: Span,
 }
 
-/// `set V` or `reset V`.
+/// `set V`, `reset V`, `raise E` or `set N := …`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
-    /// The variable.
+    /// The variable or event.
     pub variable: Name,
     /// What it becomes.
-    pub value: bool,
+    pub value: EffectValue,
+}
+
+/// What a variable or event becomes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EffectValue {
+    /// TRUE or FALSE.
+    Bool(bool),
+    /// Raised.
+    Raised,
+    /// The value of an expression, and where it stands.
+    Integer(Number<Name>, Span),
 }
 
 /// `drives OUTPUT when …`.
@@ -394,43 +450,6 @@ pub struct Safety {
     pub forbids: Vec<Forbid>,
     /// What is to be derived, in order.
     pub derives: Vec<Derive>,
-}
-
-/// `F1: forbid Horizontal between unless Vertical at Up "…"`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Forbid {
-    /// Its name.
-    pub name: Name,
-    /// Where one actuator must not be …
-    pub first: Place,
-    /// … unless (TRUE) or while (FALSE) …
-    pub unless: bool,
-    /// … another one is here.
-    pub second: Place,
-    /// Why.
-    pub text: Option<Text>,
-}
-
-/// `Vertical at Up`, or `Vertical between`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The actuator.
-    pub actuator: Name,
-    /// Its position; nothing for `between`.
-    pub position: Option<Name>,
-}
-
-/// `derive all by edges except End_OHC`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Derive {
-    /// What it is derived from, or single constraints; none for `all`.
-    pub names: Vec<Name>,
-    /// `by edges`, where it stands.
-    pub edges: Option<Span>,
-    /// What is left out.
-    pub except: Vec<Name>,
-    /// All of it.
-    pub span: Span,
 }
 
 /// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.

@@ -14,17 +14,22 @@
 //!    its *scope*, the innermost region that contains source and target. In an active region, of the
 //!    enabled transitions of this scope the one with the outermost source fires, then the one that
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
-//!    active state takes a step. Guards read states and variables from before the step. Only
+//!    active state takes a step. Guards read states, variables and integers from before the step. Only
 //!    transitions of [`Phase::Start`] take part.
-//! 4. Firing leaves the scope's active state with all that is inside, then enters the target: on
-//!    the way down to it every parallel sibling, and below it every region, enters its initial
-//!    state. Source and target may lie in the same state of the scope: it is left and entered again.
+//! 4. Firing leaves the scope's active state with all that is inside, then enters the target: the
+//!    way down to it, and below it and beside that way each region as [`Inside`] and [`Region::entries`]
+//!    say. Source and target may lie in the same state of the scope: it is left and entered again.
+//!    Guards of entries read what guards of transitions do. *Last* in a region is the state that was
+//!    active in it when it was active last: now, if it is active when the scan begins.
 //!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
 //!    enters nothing, and what is inside its source takes its step as if nothing had fired.
 //! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
-//!    wins; [`check`](crate::check) sees to it that there is a last one.
+//!    wins; [`check`](crate::check) sees to it that there is a last one. Among them are [`Assignment`]s: an
+//!    integer becomes the value, or the bound of its range that the value is beyond, and the value is that
+//!    of the integers from before the step. An event that any of them raises
+//!    is [TRUE](Atom::Event) throughout the next scan, and only then. Observers raise and read none.
 //! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
 //!    Their conditions read states as they are now and variables as 5 left them.
 //! 7. The command of an output is the OR of the [`Drive`]s of the states that are active now;
@@ -37,17 +42,23 @@
 //! 9. Observers' transitions of [`Phase::End`] are tried, in each region as in 3. Their guards read
 //!    what the filter has decided, and states and variables from before this; their deeds come last.
 //!
-//! The first scan enters the initial states, their entries included, instead of 2 and 3: no transition of
-//! [`Phase::Start`] fires. Those of [`Phase::End`] may: outputs that the first scan writes are as real as any.
+//! The first scan enters the outermost regions by default instead of 2 and 3, those of observers first,
+//! entries of states included: no transition of [`Phase::Start`] fires. What conditions on the way read is
+//! that no state of the charts that enter was active, with variables as they are before it. Those of
+//! [`Phase::End`] may fire: outputs that the first scan writes are as real as any.
 //!
 //! States of observers do nothing: they have no drives, actions, entries and exits.
 
 use super::expr::Expr;
+use super::number::Comparison;
 use super::scenario::{Plant, Scenario};
-use super::sop::Product;
 use crate::base::{Arena, Id, Span};
 
+mod safety;
+
 pub use super::ast::Technology;
+pub use super::integer::{Assignment, Integer};
+pub use safety::{Assumption, Constraint, FilterMode, Mark, Relief, Safety, outputs_of};
 
 /// Names an input.
 pub type InputId = Id<Input>;
@@ -55,6 +66,12 @@ pub type InputId = Id<Input>;
 pub type OutputId = Id<Output>;
 /// Names a variable.
 pub type VariableId = Id<Variable>;
+/// Names an event.
+pub type EventId = Id<Event>;
+/// Names an integer.
+pub type IntegerId = Id<Integer>;
+/// Names a comparison.
+pub type ComparisonId = Id<Comparison<IntegerId>>;
 /// Names an actuator.
 pub type ActuatorId = Id<Actuator>;
 /// Names a region.
@@ -81,6 +98,13 @@ pub struct Machine {
     pub outputs: Arena<Output>,
     /// What is remembered, in order of declaration.
     pub variables: Arena<Variable>,
+    /// What can be raised, in order of declaration.
+    pub events: Arena<Event>,
+    /// What is counted, in order of declaration.
+    pub integers: Arena<Integer>,
+    /// What conditions ask of integers, each once, in order of first mention. None is TRUE or FALSE
+    /// whatever the integers are within their ranges, and no part of one can leave the type INT.
+    pub comparisons: Arena<Comparison<IntegerId>>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
     /// The observers and then the control charts, each in order of declaration. Those of one kind run side
@@ -139,6 +163,17 @@ pub struct Variable {
     pub span: Span,
 }
 
+/// Something that happens: raised in one scan, TRUE in exactly the next one.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// A technical device with positions. What its technology demands of outputs has become
 /// [`Drive`]s of states; what remains is for reading and for analysis.
 #[derive(Clone, Debug)]
@@ -164,7 +199,21 @@ pub struct Position {
     pub output: Option<OutputId>,
     /// What is TRUE when it is reached; over inputs only.
     pub sensor: Option<Guard>,
+    /// What happens in a movement to it that takes too long. It has become an internal
+    /// [`Transition`] of each movement, which is tried last.
+    pub limit: Option<Limit>,
     /// Where it is declared.
+    pub span: Span,
+}
+
+/// What happens in a movement that takes too long.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// How long it may take, in milliseconds.
+    pub time: u32,
+    /// What happens in each scan in which it has taken that long and does not end.
+    pub deeds: Deeds,
+    /// Where it is written.
     pub span: Span,
 }
 
@@ -184,6 +233,10 @@ pub enum Atom {
     PrevOutput(OutputId),
     /// The variable.
     Variable(VariableId),
+    /// Whether the event was raised in the scan before.
+    Event(EventId),
+    /// Whether the comparison holds, for integers as they are when variables are read here.
+    Compare(ComparisonId),
     /// Whether the state is active.
     In(StateId),
     /// Whether every region of the state is in a final state.
@@ -242,7 +295,9 @@ pub struct Region {
     pub actuator: Option<ActuatorId>,
     /// Its states, movements included, in the order in which they are written.
     pub states: Vec<StateId>,
-    /// The state that it enters by default; one of its states.
+    /// Where it begins by default: the first of these states whose guard holds …
+    pub entries: Vec<(Guard, StateId)>,
+    /// … or else this one. All of them are states of the region.
     pub initial: StateId,
     /// Where it is declared.
     pub span: Span,
@@ -325,12 +380,16 @@ pub struct Action {
 pub struct Deeds {
     /// What becomes of variables; no variable twice.
     pub effects: Vec<Effect>,
+    /// The events that are raised; none twice.
+    pub raises: Vec<EventId>,
+    /// What becomes of integers; no integer twice.
+    pub assignments: Vec<Assignment>,
 }
 
 impl Deeds {
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
-        self.effects.is_empty()
+        self.effects.is_empty() && self.assignments.is_empty() && self.raises.is_empty()
     }
 }
 
@@ -352,6 +411,8 @@ pub struct Transition {
     pub source: StateId,
     /// The state that it leads to; of an internal transition the source.
     pub target: StateId,
+    /// How the regions of the target are entered.
+    pub inside: Inside,
     /// Whether it happens inside its source: it leaves and enters nothing.
     pub internal: bool,
     /// The innermost region that contains both.
@@ -370,109 +431,29 @@ pub struct Transition {
     pub span: Span,
 }
 
-/// The safety part of a model.
-#[derive(Clone, Debug, Default)]
-pub struct Safety {
-    /// What the filter does about a violation; nothing when the model has no constraints.
-    pub mode: Option<FilterMode>,
-    /// Where the mode stands.
-    pub span: Span,
-    /// How combined constraints are relieved.
-    pub relief: Relief,
-    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
-    /// if, it remembers that.
-    pub reset: Option<InputId>,
-    /// What must never be, in the order in which it is written.
-    pub constraints: Arena<Constraint>,
-    /// What the plant cannot do.
-    pub assumptions: Vec<Assumption>,
+/// How a transition enters the regions of its target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Inside {
+    /// Each by default, and so are those further in.
+    Default,
+    /// Fork: on the way down to these states; they lie in different regions of the target. All other
+    /// regions are entered by default.
+    Fork(Vec<StateId>),
+    /// Shallow history: each at its last state, unless that is final or there is none: then by default.
+    /// Those further in are entered by default.
+    History,
+    /// Deep history: the same, and so further in below each last state. What is below a state that is
+    /// entered by default is entered by default.
+    DeepHistory,
 }
 
-/// What the filter does about a violation (seed 001).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FilterMode {
-    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
-    /// what constraints make of that.
-    Blocking,
-    /// Outputs are corrected, the program goes on, each correction is an alarm.
-    Supervisor,
-    /// Outputs are corrected, and that is normal.
-    Controller,
-}
-
-/// How combined constraints are relieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Relief {
-    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
-    #[default]
-    Together,
-    /// In sweeps, each in its turn and at once, as they are written (seed 003).
-    InOrder {
-        /// How many sweeps are made: as many as it takes at most to meet all constraints.
-        sweeps: usize,
-    },
-}
-
-/// What the filter remembers from scan to scan; FALSE before the first one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Mark {
-    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
-    /// while this is TRUE.
-    Noted,
-    /// The constraint acted in the scan in which this began.
-    First(ConstraintId),
-}
-
-/// A safety constraint: none of its products may be TRUE when the outputs are written.
-#[derive(Clone, Debug)]
-pub struct Constraint {
-    /// Its name.
-    pub name: String,
-    /// What it says, in words for the operator.
-    pub text: String,
-    /// What must never be TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products; none contradicts itself.
-    pub products: Vec<Product<Atom>>,
-    /// Who gives way when a combined product would be TRUE.
-    pub yields: Vec<OutputId>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// Something that the plant cannot do, over inputs, previous values and variables.
-#[derive(Clone, Debug)]
-pub struct Assumption {
-    /// Its name.
-    pub name: String,
-    /// What it says in words.
-    pub text: String,
-    /// What is never TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products.
-    pub products: Vec<Product<Atom>>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// The outputs of this scan in a product, each with whether it stands negated.
-pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bool)> + '_ {
-    product.literals().iter().filter_map(|l| match l.atom {
-        Atom::Output(o) => Some((o, l.negated)),
-        _ => None,
-    })
-}
-
-impl Safety {
-    /// What the filter remembers, the stop first.
-    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
-        let any = self.reset.is_some();
-        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
-    }
-
-    /// Whether a constraint that acts is an alarm.
-    pub fn alarms(&self) -> bool {
-        self.mode != Some(FilterMode::Controller)
+impl Transition {
+    /// The states that it names: those of a fork, else its target.
+    pub fn goals(&self) -> &[StateId] {
+        match &self.inside {
+            Inside::Fork(states) => states,
+            Inside::Default | Inside::History | Inside::DeepHistory => std::slice::from_ref(&self.target),
+        }
     }
 }
 
@@ -522,6 +503,20 @@ impl Machine {
         }
     }
 
+    /// Where a transition leads, as a model writes it, with whole paths.
+    pub fn destination(&self, transition: TransitionId) -> String {
+        let t = &self.transitions[transition];
+        match &t.inside {
+            Inside::Default => self.state_path(t.target),
+            Inside::History => format!("history of {}", self.state_path(t.target)),
+            Inside::DeepHistory => format!("deep history of {}", self.state_path(t.target)),
+            Inside::Fork(states) => {
+                let paths: Vec<String> = states.iter().map(|&s| self.state_path(s)).collect();
+                format!("({})", paths.join(", "))
+            }
+        }
+    }
+
     /// What an expression reads, as a model writes it.
     pub fn atom(&self, atom: Atom) -> String {
         match atom {
@@ -530,6 +525,8 @@ impl Machine {
             Atom::Output(o) => self.outputs[o].name.clone(),
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::Event(e) => self.events[e].name.clone(),
+            Atom::Compare(c) => self.comparison(c),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),

@@ -31,8 +31,14 @@ impl Writer<'_> {
         for o in m.outputs.values() {
             writeln!(self.out, "output {} {}", o.name, o.address.as_deref().unwrap_or("-"))?;
         }
+        for e in m.events.values() {
+            writeln!(self.out, "event {}", e.name)?;
+        }
         for v in m.variables.values() {
             writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
+        }
+        for i in m.integers.values() {
+            writeln!(self.out, "integer {} {}..{} := {}", i.name, i.range.lowest, i.range.highest, i.initial)?;
         }
         for a in m.actuators.values() {
             let positions: Vec<String> = a
@@ -173,6 +179,9 @@ impl Writer<'_> {
             writeln!(self.out, "{:1$}region {name}{controls}", "", depth * 2)?;
             depth += 1;
         }
+        for (guard, s) in &region.entries {
+            writeln!(self.out, "{:1$}begins at {2} when {3}", "", depth * 2, m.states[*s].name, self.guard(guard))?;
+        }
         for &s in &region.states {
             let state = &m.states[s];
             let initial = if region.initial == s { "initial " } else { "" };
@@ -209,12 +218,12 @@ impl Writer<'_> {
         }
         let [start, end] = &self.scoped;
         let ranked = |list: &[TransitionId]| list.iter().copied().enumerate().collect::<Vec<_>>();
-        for (rank, t) in ranked(&start[id.index()]).into_iter().chain(ranked(&end[id.index()])) {
-            let t = &m.transitions[t];
+        for (rank, id) in ranked(&start[id.index()]).into_iter().chain(ranked(&end[id.index()])) {
+            let t = &m.transitions[id];
             let phase = if t.phase == Phase::End { "after filter " } else { "" };
             let then = if t.deeds.is_empty() { String::new() } else { format!(" then {}", self.deeds(&t.deeds)) };
             let source = m.state_path(t.source);
-            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.state_path(t.target)) };
+            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.destination(id)) };
             writeln!(
                 self.out,
                 "{:1$}{phase}{2}. {source} {leads} when {3}{then}",
@@ -229,8 +238,12 @@ impl Writer<'_> {
 
     fn deeds(&self, deeds: &Deeds) -> String {
         let name = |e: &Effect| &self.machine.variables[e.variable].name;
-        let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, name(e));
-        deeds.effects.iter().map(one).collect::<Vec<_>>().join(", ")
+        let effects = deeds.effects.iter();
+        let effects = effects.map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, name(e)));
+        let raises = deeds.raises.iter().map(|&e| format!("raise {}", self.machine.events[e].name));
+        let integer = |a: &Assignment| &self.machine.integers[a.integer].name;
+        let value = |a: &Assignment| format!("{} := {}", integer(a), self.machine.number(&a.value));
+        effects.chain(raises).chain(deeds.assignments.iter().map(value)).collect::<Vec<_>>().join(", ")
     }
 
     fn guard(&self, guard: &Guard) -> String {

@@ -4,6 +4,7 @@
 
 use super::ast::*;
 use super::expr::{CHART, Expr};
+use super::number::Number;
 use std::fmt::{self, Write};
 
 /// Writes the tree as source text.
@@ -55,8 +56,20 @@ impl Writer {
         if !m.variables.is_empty() {
             self.block(format_args!("variables"), |w| {
                 m.variables.iter().try_for_each(|v| {
-                    w.line(format_args!("{} : BOOL := {}{}", v.name.text, v.initial, text(&v.description)))
+                    let kind = match &v.kind {
+                        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
+                        VariableKind::Integer { lowest, highest, initial, .. } => {
+                            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
+                            format!("{lowest}..{highest}{initial}")
+                        }
+                    };
+                    w.line(format_args!("{} : {kind}{}", v.name.text, text(&v.description)))
                 })
+            })?;
+        }
+        if !m.events.is_empty() {
+            self.block(format_args!("events"), |w| {
+                m.events.iter().try_for_each(|e| w.line(format_args!("{}{}", e.name.text, text(&e.description))))
             })?;
         }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
@@ -156,7 +169,8 @@ impl Writer {
             a.positions.iter().try_for_each(|p| {
                 let sensor = p.sensor.as_ref().map(|g| format!(" sensor {}", condition(g))).unwrap_or_default();
                 let output = clause("output", p.output.as_ref());
-                w.line(format_args!("position {}{output}{sensor}{}", p.name.text, text(&p.description)))
+                let limit = p.limit.as_ref().map(limit).unwrap_or_default();
+                w.line(format_args!("position {}{output}{sensor}{limit}{}", p.name.text, text(&p.description)))
             })
         })
     }
@@ -188,6 +202,7 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&region.body))?;
         }
         body.states.iter().try_for_each(|s| self.state(s))?;
+        body.choices.iter().try_for_each(|c| self.choice(c))?;
         body.transitions.iter().try_for_each(|t| self.transition(t))
     }
 
@@ -213,6 +228,7 @@ impl Writer {
         let source = match &t.source {
             Source::State(path) => words(path),
             Source::Any(_) => "any".to_owned(),
+            Source::Join(paths) => several(paths),
         };
         let (verb, name) = match &t.movement {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
@@ -220,12 +236,22 @@ impl Writer {
         };
         self.line(format_args!(
             "{verb} {source} to {}{name}{}{}{}{}",
-            words(&t.target),
+            target(&t.target),
             priority(t.priority),
             when(&t.guard),
             then(&t.effects),
             text(&t.description)
         ))
+    }
+
+    fn choice(&mut self, c: &Choice) -> fmt::Result {
+        let initial = if c.initial.is_some() { "initial " } else { "" };
+        self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
+            c.branches.iter().try_for_each(|b| {
+                let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
+                w.line(format_args!("{head} to {}{}{}", target(&b.target), then(&b.effects), text(&b.description)))
+            })
+        })
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
@@ -268,8 +294,16 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 }
 
 fn effects(effects: &[Effect]) -> String {
-    let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text);
+    let one = |e: &Effect| match &e.value {
+        EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
+        EffectValue::Raised => format!("raise {}", e.variable.text),
+        EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
+    };
     effects.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn limit(limit: &Limit) -> String {
+    format!(" within {}ms else {}", limit.time.milliseconds.unwrap_or(0), effects(&limit.effects))
 }
 
 fn then(list: &[Effect]) -> String {
@@ -305,8 +339,27 @@ fn when(guard: &Option<Guard>) -> String {
     guard.as_ref().map(|g| format!(" when {}", condition(g))).unwrap_or_default()
 }
 
+fn target(target: &Target) -> String {
+    match target {
+        Target::State(path) => words(path),
+        Target::History { of, deep } => format!("{}history of {}", if *deep { "deep " } else { "" }, words(of)),
+        Target::Fork(paths) => several(paths),
+    }
+}
+
+fn several(paths: &[Path]) -> String {
+    format!("({})", paths.iter().map(words).collect::<Vec<_>>().join(", "))
+}
+
 fn words(path: &Path) -> String {
     path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".")
+}
+
+fn number(number: &Number<Name>) -> String {
+    let mut out = String::new();
+    let written = number.write(&mut out, &mut |n, f| f.write_str(&n.text));
+    written.expect("writing to a string succeeds");
+    out
 }
 
 fn condition(guard: &Guard) -> String {
@@ -318,6 +371,7 @@ fn expression(expr: &Expr<Term>) -> String {
     let path = |p: &PathRef| p.parts.iter().map(|(t, _)| t.as_str()).collect::<Vec<_>>().join(".");
     let written = expr.write(&mut out, &CHART, &mut |term, f| match term {
         Term::Value(p) => f.write_str(&path(p)),
+        Term::Compare(c, _) => c.write(f, &mut |n, f| f.write_str(&n.text)),
         Term::Prev(p) => write!(f, "prev({})", path(p)),
         Term::Rise(p) => write!(f, "rise({})", path(p)),
         Term::Fall(p) => write!(f, "fall({})", path(p)),

@@ -1,12 +1,13 @@
 //! What the passes share: the globals made so far and which of them stands for what.
 
 use super::entries::Entries;
+use super::integers::Integers;
 use super::names::Names;
 use crate::base::{Arena, Span};
 use crate::ir::chart::{Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
-use crate::ir::plc::{Global, GlobalId, Origin, Role};
+use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
 use std::collections::BTreeMap;
 
 /// An expression over globals.
@@ -20,6 +21,8 @@ pub struct Context<'m> {
     pub inputs: Vec<GlobalId>,
     pub outputs: Vec<GlobalId>,
     pub variables: Vec<GlobalId>,
+    /// For each event, its value in this scan, and whether it is raised for the next one.
+    pub events: Vec<(GlobalId, GlobalId)>,
     /// For each state, TRUE while its step is active.
     pub flags: Vec<GlobalId>,
     /// For each output, what the chart wants of it; filled by the pass that computes it.
@@ -30,6 +33,7 @@ pub struct Context<'m> {
     pub ending: Vec<Vec<TransitionId>>,
     pub entries: Entries,
     pub conditions: Conditions,
+    pub integers: Integers,
 }
 
 /// The conditions asked for so far, and the rungs that compute them, in groups that depend only on
@@ -47,6 +51,8 @@ pub struct Conditions {
     pub fires: BTreeMap<TransitionId, GlobalId>,
     pub before: BTreeMap<TransitionId, GlobalId>,
     pub entered: BTreeMap<StateId, GlobalId>,
+    pub last: BTreeMap<StateId, GlobalId>,
+    pub unfinished: BTreeMap<RegionId, GlobalId>,
     pub again: BTreeMap<StateId, GlobalId>,
     pub latches: Vec<Rung>,
     pub timing: Vec<Rung>,
@@ -67,12 +73,14 @@ impl<'m> Context<'m> {
             inputs: Vec::new(),
             outputs: Vec::new(),
             variables: Vec::new(),
+            events: Vec::new(),
             flags: Vec::new(),
             commands: Vec::new(),
             entries: Entries::of(machine),
             scoped,
             ending,
             conditions: Conditions::default(),
+            integers: Integers::default(),
         };
         context.signals();
         for v in machine.variables.values() {
@@ -80,13 +88,21 @@ impl<'m> Context<'m> {
             let id = context.globals.push(Global {
                 name: v.name.clone(),
                 address: None,
-                initial: v.initial,
+                initial: Value::Bool(v.initial),
                 role: Role::Variable,
                 description: v.description.clone(),
                 origin,
             });
             context.variables.push(id);
         }
+        for e in machine.events.values() {
+            let origin = origin(format!("event {}", e.name), e.span);
+            let now = context.global(e.name.clone(), Role::Event, e.description.clone(), origin.clone());
+            let name = context.names.give("Raise", &e.name);
+            let next = context.global(name, Role::Condition, format!("{} is raised for the next scan", e.name), origin);
+            context.events.push((now, next));
+        }
+        context.integers();
         for (id, state) in machine.states.iter() {
             let name = context.names.state("X", id);
             let path = machine.state_path(id);
@@ -111,7 +127,7 @@ impl<'m> Context<'m> {
                     ids[i] = Some(self.globals.push(Global {
                         name: (*name).clone(),
                         address: (*address).clone(),
-                        initial: false,
+                        initial: Value::Bool(false),
                         role: *role,
                         description: (*description).clone(),
                         origin: origin(format!("{what} {name}"), *span),
@@ -126,7 +142,7 @@ impl<'m> Context<'m> {
 
     /// A new global that is FALSE before the first scan.
     pub fn global(&mut self, name: String, role: Role, description: String, origin: Origin) -> GlobalId {
-        self.globals.push(Global { name, address: None, initial: false, role, description, origin })
+        self.globals.push(Global { name, address: None, initial: Value::Bool(false), role, description, origin })
     }
 
     /// A guard as a program reads it that runs before the step of `own`'s kind of charts or takes part in
@@ -142,6 +158,7 @@ impl<'m> Context<'m> {
             Atom::Done(s) if settled(self.machine, s) => self.done_by_flags(s),
             Atom::Done(s) => Expr::Atom(self.done(s)),
             Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
+            Atom::Compare(c) => Expr::Atom(self.compared_before(c)),
             other => self.value(other),
         })
     }
@@ -151,6 +168,7 @@ impl<'m> Context<'m> {
         condition.map(&mut |atom| match *atom {
             Atom::In(s) => Expr::Atom(self.flags[s.index()]),
             Atom::Done(s) => self.done_by_flags(s),
+            Atom::Compare(c) => Expr::Atom(self.compared_after(c)),
             other => self.value(other),
         })
     }
@@ -174,7 +192,8 @@ impl<'m> Context<'m> {
             Atom::PrevInput(i) => self.previous(i.index()),
             Atom::PrevOutput(o) => self.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
-            Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+            Atom::Event(e) => self.events[e.index()].0,
+            Atom::Compare(_) | Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
                 unreachable!("{atom:?} depends on where it is read")
             }
         })
@@ -187,7 +206,7 @@ impl<'m> Context<'m> {
         if t.internal {
             format!("internal transition of {source}")
         } else {
-            format!("transition {source} -> {}", self.machine.state_path(t.target))
+            format!("transition {source} -> {}", self.machine.destination(transition))
         }
     }
 

@@ -1,8 +1,10 @@
-//! Effects and actions to set and reset coils.
+//! Effects and actions to set and reset coils, events to plain ones.
 //!
 //! First what happened once, in the order of [`Step`]; of what has the same place there, only one
-//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read variables as the transitions left them; where one reads a
-//! variable that an action writes, all conditions are taken down in coils before anything is written.
+//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read
+//! variables as the transitions left them; where one reads a variable that an action writes, all
+//! conditions are taken down in coils before anything is written. What regions with a history remember
+//! comes last: where they are when the chart has taken its step.
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
@@ -62,9 +64,49 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
             rung(context, &mut rungs, coil, &Expr::any(by), format!("active states that {verb} {}", v.name));
         }
     }
+    if kind == ChartKind::Control {
+        raised(context, &mut rungs);
+    }
+    history(context, &mut rungs);
     Ladder { rungs }
 }
 
+/// One coil per event: whether anything raises it in this scan.
+fn raised(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let machine = context.machine;
+    let mut by: Vec<Vec<Condition>> = vec![Vec::new(); machine.events.len()];
+    for (id, t) in machine.transitions.iter() {
+        for event in &t.deeds.raises {
+            by[event.index()].push(Expr::Atom(context.fires(id)));
+        }
+    }
+    for (id, state) in machine.states.iter() {
+        for event in &state.exit.raises {
+            by[event.index()].push(context.left(id));
+        }
+        for event in &state.entry.raises {
+            by[event.index()].push(context.entered_now(id));
+        }
+    }
+    for (by, (_, next)) in by.into_iter().zip(context.events.clone()) {
+        let text = context.globals[next].description.clone();
+        rung(context, rungs, (next, CoilKind::Plain), &Expr::any(by), text);
+    }
+}
+
+/// What was the last state of a region: the active one; while none is, the one that was.
+fn history(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let machine = context.machine;
+    for (state, id) in context.conditions.last.clone() {
+        let path = machine.state_path(state);
+        let parent =
+            machine.regions[machine.states[state].region].parent.expect("what has a history is inside a state");
+        let (active, around) = (context.flags[state.index()], context.flags[parent.index()]);
+        let kept = Expr::all([Expr::Atom(id), Expr::Atom(around).not()]);
+        let condition = Expr::any([Expr::Atom(active), kept]);
+        rung(context, rungs, (id, CoilKind::Plain), &condition, format!("{path} is where its region is or was last"));
+    }
+}
 /// What transitions write, each with the coil that says that it fires.
 pub fn effects(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
     let machine = context.machine;
@@ -143,11 +185,11 @@ fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     }
     for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         for effect in &state.exit.effects {
-            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), left(context, id));
+            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), context.left(id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
         }
         for effect in &state.entry.effects {
-            let (step, condition) = (Step::Entered(state.depth), entered(context, id));
+            let (step, condition) = (Step::Entered(state.depth), context.entered_now(id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
         }
     }
@@ -157,16 +199,18 @@ fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     writes
 }
 
-/// Whether the state was active when the scan began and has been left.
-fn left(context: &mut Context<'_>, state: StateId) -> Condition {
-    let was = Expr::Atom(context.active(state));
-    let gone = Expr::Atom(context.flags[state.index()]).not();
-    Expr::all([was, Expr::any([gone].into_iter().chain(context.again(state).map(Expr::Atom)))])
-}
+impl Context<'_> {
+    /// Whether the state was active when the scan began and has been left.
+    pub fn left(&mut self, state: StateId) -> Condition {
+        let was = Expr::Atom(self.active(state));
+        let gone = Expr::Atom(self.flags[state.index()]).not();
+        Expr::all([was, Expr::any([gone].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
 
-/// Whether the state is active and has been entered in this scan.
-fn entered(context: &mut Context<'_>, state: StateId) -> Condition {
-    let is = Expr::Atom(context.flags[state.index()]);
-    let new = Expr::Atom(context.active(state)).not();
-    Expr::all([is, Expr::any([new].into_iter().chain(context.again(state).map(Expr::Atom)))])
+    /// Whether the state is active and has been entered in this scan.
+    pub fn entered_now(&mut self, state: StateId) -> Condition {
+        let is = Expr::Atom(self.flags[state.index()]);
+        let new = Expr::Atom(self.active(state)).not();
+        Expr::all([is, Expr::any([new].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
 }

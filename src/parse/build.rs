@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, derive, scenarios};
+use super::{Rule, derive, numbers, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -22,6 +22,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         inputs: Vec::new(),
         outputs: Vec::new(),
         variables: Vec::new(),
+        events: Vec::new(),
         actuators: Vec::new(),
         observers: Vec::new(),
         charts: Vec::new(),
@@ -33,10 +34,11 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         match p.as_rule() {
             Rule::name => tree.name = name(p),
             Rule::text => tree.description = Some(text(p)),
-            Rule::cycle => tree.cycles.push(duration(p)),
+            Rule::cycle => tree.cycles.push(duration_in(p)),
             Rule::inputs => entries(p, bad, &mut tree.inputs, signal),
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
+            Rule::events => entries(p, bad, &mut tree.events, event),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
             Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
@@ -73,18 +75,21 @@ pub fn number(p: &Pair<'_, Rule>) -> Option<u32> {
 fn entries<'i, T>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<T>, build: impl Fn(Pair<'i, Rule>) -> T) {
     for p in p.into_inner() {
         match p.as_rule() {
-            Rule::signal | Rule::variable => into.push(build(p)),
-            Rule::bad_signal | Rule::bad_variable => bad.push(p),
+            Rule::signal | Rule::variable | Rule::event => into.push(build(p)),
+            Rule::bad_signal | Rule::bad_variable | Rule::bad_event => bad.push(p),
             _ => {}
         }
     }
 }
 
 /// The duration that stands in `p`.
+fn duration_in(p: Pair<'_, Rule>) -> Duration {
+    duration(p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here"))
+}
+
 fn duration(p: Pair<'_, Rule>) -> Duration {
-    let duration = p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here");
-    let span = span(&duration);
-    let mut parts = duration.into_inner();
+    let span = span(&p);
+    let mut parts = p.into_inner();
     let value = parts.next().as_ref().and_then(number);
     let seconds = parts.next().is_some_and(|u| u.as_str() == "s");
     let milliseconds = value.and_then(|v| v.checked_mul(if seconds { 1000 } else { 1 }));
@@ -105,17 +110,44 @@ fn signal(p: Pair<'_, Rule>) -> Signal {
 }
 
 fn variable(p: Pair<'_, Rule>) -> Variable {
-    let mut variable =
-        Variable { name: Name { text: String::new(), span: span(&p) }, initial: false, description: None };
+    let mut variable = Variable {
+        name: Name { text: String::new(), span: span(&p) },
+        kind: VariableKind::Bool(false),
+        description: None,
+    };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => variable.name = name(p),
-            Rule::constant => variable.initial = p.as_str() == "true",
+            Rule::constant => variable.kind = VariableKind::Bool(p.as_str() == "true"),
+            Rule::range => {
+                let span = span(&p);
+                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| numbers::integer(p).0);
+                let mut end = || ends.next().expect("a range has two ends");
+                let (lowest, highest) = (end(), end());
+                variable.kind = VariableKind::Integer { lowest, highest, initial: None, span };
+            }
+            Rule::integer => {
+                if let VariableKind::Integer { initial, .. } = &mut variable.kind {
+                    *initial = Some(numbers::integer(p));
+                }
+            }
             Rule::text => variable.description = Some(text(p)),
             _ => {}
         }
     }
     variable
+}
+
+fn event(p: Pair<'_, Rule>) -> Event {
+    let mut event = Event { name: Name { text: String::new(), span: span(&p) }, description: None };
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::name => event.name = name(p),
+            Rule::text => event.description = Some(text(p)),
+            _ => {}
+        }
+    }
+    event
 }
 
 fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
@@ -160,8 +192,8 @@ fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
 }
 
 fn position(p: Pair<'_, Rule>) -> Position {
-    let mut position =
-        Position { name: Name { text: String::new(), span: span(&p) }, output: None, sensor: None, description: None };
+    let named = Name { text: String::new(), span: span(&p) };
+    let mut position = Position { name: named, output: None, sensor: None, limit: None, description: None };
     let mut output = false;
     for p in p.into_inner() {
         match p.as_rule() {
@@ -169,11 +201,25 @@ fn position(p: Pair<'_, Rule>) -> Position {
             Rule::name if output => position.output = Some(name(p)),
             Rule::name => position.name = name(p),
             Rule::expression => position.sensor = Some(guard(p)),
+            Rule::limit => position.limit = Some(limit(p)),
             Rule::text => position.description = Some(text(p)),
             _ => {}
         }
     }
     position
+}
+
+fn limit(p: Pair<'_, Rule>) -> Limit {
+    let whole = span(&p);
+    let (mut time, mut effects) = (None, Vec::new());
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::duration => time = Some(duration(p)),
+            Rule::effect => effects.extend(effect(p)),
+            _ => {}
+        }
+    }
+    Limit { time: time.expect("a limit has a time"), effects, span: whole }
 }
 
 fn chart<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Chart {
@@ -276,6 +322,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                     body: head.body.expect("a region has a body"),
                 });
             }
+            Rule::choice => body.choices.push(ways::choice(p, bad)),
             Rule::transition => body.transitions.push(transition(p)),
             Rule::drive => {
                 let (output, condition) = named_condition(p);
@@ -297,13 +344,26 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
 }
 
 /// The effect that the pair is, if it is one.
-fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+pub fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     if p.as_rule() != Rule::effect {
         return None;
     }
-    let value = p.as_str().starts_with("set");
-    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
-    Some(Effect { variable, value })
+    let mut value = match p.as_str() {
+        text if text.starts_with("raise") => EffectValue::Raised,
+        text => EffectValue::Bool(text.starts_with("set")),
+    };
+    let mut variable = None;
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::name => variable = Some(name(p)),
+            Rule::sum => {
+                let span = span(&p);
+                value = EffectValue::Integer(numbers::sum(p), span);
+            }
+            _ => {}
+        }
+    }
+    Some(Effect { variable: variable.expect("an effect has a name"), value })
 }
 
 fn internal(p: Pair<'_, Rule>) -> Internal {
@@ -349,12 +409,16 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             Rule::kw_move => movement = Some(Movement { span: span(&p), name: None }),
             Rule::source => {
                 let place = span(&p);
-                let inner = p.into_inner().next().expect("a source is `any` or a path");
-                source =
-                    Some(if inner.as_rule() == Rule::path { Source::State(path(inner)) } else { Source::Any(place) });
+                let inner = p.into_inner().next().expect("a source is `any`, a path or several");
+                source = Some(match inner.as_rule() {
+                    Rule::path => Source::State(path(inner)),
+                    Rule::several => Source::Join(ways::paths(inner)),
+                    _ => Source::Any(place),
+                });
             }
             Rule::path if source.is_none() => source = Some(Source::State(path(p))),
-            Rule::path => target = Some(path(p)),
+            Rule::path => target = Some(Target::State(path(p))),
+            Rule::target => target = Some(ways::target(p)),
             Rule::name => {
                 // Only a movement has a name of its own.
                 if let Some(movement) = &mut movement {
@@ -428,7 +492,7 @@ fn constraint(p: Pair<'_, Rule>) -> Constraint {
     }
 }
 
-fn path(p: Pair<'_, Rule>) -> Path {
+pub fn path(p: Pair<'_, Rule>) -> Path {
     Path { parts: p.into_inner().filter(|p| p.as_rule() == Rule::name).map(name).collect() }
 }
 
@@ -495,11 +559,12 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
     let place = span(&p);
     let inner = p.into_inner().next().expect("a primary holds something");
     match inner.as_rule() {
+        Rule::comparison => Expr::Atom(Term::Compare(numbers::comparison(inner), place)),
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),
         Rule::kw_blocked => Expr::Atom(Term::Blocked(place)),
-        Rule::elapsed => Expr::Atom(Term::After(duration(inner))),
+        Rule::elapsed => Expr::Atom(Term::After(duration_in(inner))),
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
             let mut parts = inner.into_inner();

@@ -8,9 +8,11 @@
 
 mod build;
 mod derive;
+mod numbers;
 mod scan;
 mod scenarios;
 mod syntax_error;
+mod ways;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast;
@@ -85,9 +87,11 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_part => Rule::lone_part,
         Rule::bad_signal => Rule::lone_signal,
         Rule::bad_variable => Rule::lone_variable,
+        Rule::bad_event => Rule::lone_event,
         Rule::bad_position => Rule::lone_position,
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,
+        Rule::bad_branch => Rule::lone_branch,
         Rule::bad_constraint => Rule::lone_constraint,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,

@@ -14,10 +14,14 @@
 //! a late scan included.
 
 use super::chart_filter;
+use super::parts::WIDTH;
 use crate::bits::aig::{Aig, Lit};
+use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, IntegerId, Machine, Phase, RegionId, StateId, StateKind, TransitionId,
+    VariableId,
 };
+use crate::ir::number::{Comparison, Number, Range, Relation};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -31,19 +35,28 @@ pub struct ChartState {
     pub inputs: Vec<Lit>,
     /// For each output, what the filter let through in the last scan.
     pub outputs: Vec<Lit>,
+    /// For each event, whether it was raised in the last scan.
+    pub raised: Vec<Lit>,
     /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
     pub past: Vec<Lit>,
     /// What the filter remembers, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
     pub marks: Vec<Lit>,
+    /// For each state of a region with a history, whether it was active when the region was active
+    /// last; nothing for other states.
+    pub last: Vec<Option<Lit>>,
+    /// For each integer, its value in as many bits as an INT has.
+    pub integers: Vec<Vector>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories,
+    /// integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past, marks } = self;
-        [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers } = self;
+        let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
+        always.chain(last.iter().flatten()).chain(integers.iter().flatten()).copied().collect()
     }
 }
 
@@ -52,6 +65,8 @@ impl ChartState {
 pub struct ChartScan {
     /// What is remembered; its outputs are those of this scan.
     pub after: ChartState,
+    /// For each event, whether it is TRUE.
+    pub events: Vec<Lit>,
     /// For each transition, whether it fires.
     pub fires: Vec<Lit>,
     /// For each output, whether an active state drives it.
@@ -72,6 +87,8 @@ pub struct ChartStep<'m> {
     scoped: Vec<Vec<TransitionId>>,
     ending: Vec<Vec<TransitionId>>,
     timers: BTreeMap<(StateId, u32), usize>,
+    /// For each region, whether some transition asks for its history.
+    histories: Vec<bool>,
     rounds: usize,
 }
 
@@ -89,7 +106,12 @@ impl<'m> ChartStep<'m> {
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
         let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
-        ChartStep { machine, scoped, ending, timers, rounds }
+        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds }
+    }
+
+    /// Whether the state is of a region whose history some transition asks for.
+    pub fn remembers(&self, state: StateId) -> bool {
+        self.histories[self.machine.states[state].region.index()]
     }
 
     /// The states and times in milliseconds that guards ask for, each once.
@@ -106,15 +128,19 @@ impl<'m> ChartStep<'m> {
             variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.to_vec(),
             outputs: vec![Lit::FALSE; m.outputs.len()],
+            raised: vec![Lit::FALSE; m.events.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
+            last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
+            integers: initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
         let mut now = Now::of(&before, m);
         let none = now.fires.clone();
-        self.move_on(aig, &mut now, &none, Lit::TRUE);
+        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Observer));
+        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control));
         self.rest(aig, given, now)
     }
 
@@ -136,15 +162,19 @@ impl<'m> ChartStep<'m> {
     /// Charts of one kind take a step, effects on variables included.
     fn step(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, kind: ChartKind, phase: Phase) {
         let fires = self.fires(aig, given, now, kind, phase);
-        self.move_on(aig, now, &fires, Lit::FALSE);
+        self.move_on(aig, given, now, &fires, None);
     }
 
-    /// What comes of the transitions that fire; with `start` the outermost regions are entered.
-    fn move_on(&self, aig: &mut Aig, now: &mut Now, fires: &[Lit], start: Lit) {
-        let moves = self.configuration(aig, &now.active, fires, start);
-        now.variables = self.happen(aig, &now.variables, fires, &moves);
+    /// What comes of the transitions that fire; the charts of the kind that starts are entered.
+    fn move_on(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, fires: &[Lit], start: Option<ChartKind>) {
+        let moves = self.configuration(aig, &given.with(now), fires, start);
+        let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
+        now.variables = variables;
+        now.integers = self.count(aig, &now.integers, fires, &moves);
         now.active = moves.active;
-        for (all, one) in [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires)] {
+        let gathered =
+            [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
+        for (all, one) in gathered {
             all.iter_mut().zip(one).for_each(|(all, &one)| *all = aig.or(*all, one));
         }
     }
@@ -185,42 +215,75 @@ impl<'m> ChartStep<'m> {
         fires
     }
 
-    /// What becomes of states by the transitions that fire; with `start` the outermost regions are entered.
-    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> Moves {
+    /// What becomes of states by the transitions that fire; the outermost regions of charts of the
+    /// kind that starts are entered. `reading` is from before the step.
+    fn configuration(&self, aig: &mut Aig, reading: &Reading<'_>, fires: &[Lit], start: Option<ChartKind>) -> Moves {
         let m = self.machine;
-        // For each state, who leaves it as a state of the transition's scope, and who names it on the
-        // way down to the target.
+        let (before, remembered) = (reading.active, &reading.given.before.last);
+        // For each state, who leaves it as a state of the transition's scope, who names it on the way
+        // down to the target, and who asks for its history: that of its regions, and of all below.
         let mut leave = vec![Vec::new(); m.states.len()];
         let mut name = vec![Vec::new(); m.states.len()];
+        let mut shallow = vec![Vec::new(); m.states.len()];
+        let mut deep = vec![Vec::new(); m.states.len()];
         for (id, t) in m.transitions.iter() {
             let fires = fires[id.index()];
             if fires == Lit::FALSE || t.internal {
                 continue;
             }
             leave[m.child_in(t.scope, t.source).expect("the scope holds the source").index()].push(fires);
-            for s in m.ancestors(t.target) {
-                name[s.index()].push(fires);
-                if m.states[s].region == t.scope {
-                    break;
+            for &goal in t.goals() {
+                for s in m.ancestors(goal) {
+                    name[s.index()].push(fires);
+                    if m.states[s].region == t.scope {
+                        break;
+                    }
                 }
+            }
+            match t.inside {
+                Inside::History => shallow[t.target.index()].push(fires),
+                Inside::DeepHistory => deep[t.target.index()].push(fires),
+                Inside::Default | Inside::Fork(_) => {}
             }
         }
         let mut left = vec![Lit::FALSE; m.states.len()];
         let mut entered = vec![Lit::FALSE; m.states.len()];
         let mut active = vec![Lit::FALSE; m.states.len()];
-        for (_, region) in m.regions.iter() {
+        for (id, region) in m.regions.iter() {
             let (gone, come) = match region.parent {
                 Some(p) => (left[p.index()], entered[p.index()]),
-                None => (Lit::FALSE, start),
+                None => (Lit::FALSE, Lit::of(start == Some(m.kind(id)))),
             };
-            let named: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
-            let some_named = aig.any(&named);
-            let by_default = aig.and(come, !some_named);
-            for (&s, &named) in region.states.iter().zip(&named) {
+            // For each of its states, when it is entered.
+            let mut when: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
+            let place = |s: StateId| region.states.iter().position(|&t| t == s).expect("a region begins in itself");
+            if let Some(p) = region.parent.filter(|_| self.histories[id.index()]) {
+                let (shallow, below) = (aig.any(&shallow[p.index()]), aig.any(&deep[p.index()]));
+                let resumes = aig.or(shallow, below);
+                for (when, &s) in when.iter_mut().zip(&region.states) {
+                    if m.states[s].kind == StateKind::Final {
+                        continue;
+                    }
+                    let last = remembered[s.index()].expect("a region with a history remembers its states");
+                    let resumed = aig.and(resumes, last);
+                    *when = aig.or(*when, resumed);
+                    deep[s.index()].push(aig.and(below, last));
+                }
+            }
+            let elsewhere = aig.any(&when);
+            let mut rest = aig.and(come, !elsewhere);
+            for (guard, s) in &region.entries {
+                let guard = reading.guard(aig, guard);
+                let here = aig.and(rest, guard);
+                when[place(*s)] = aig.or(when[place(*s)], here);
+                rest = aig.and(rest, !guard);
+            }
+            when[place(region.initial)] = aig.or(when[place(region.initial)], rest);
+            for (&s, &when) in region.states.iter().zip(&when) {
                 let i = s.index();
                 let own = aig.any(&leave[i]);
                 left[i] = aig.or(gone, own);
-                entered[i] = if s == region.initial { aig.or(named, by_default) } else { named };
+                entered[i] = when;
                 let stays = aig.and(before[i], !left[i]);
                 active[i] = aig.or(stays, entered[i]);
             }
@@ -231,10 +294,10 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What becomes of variables by what happens once: what states do when they are left, from the inside
+    /// What happens once, with whether it does, in order: what states do when they are left, from the inside
     /// out, transitions, those of outer regions first, what states do when they are entered, from the
-    /// outside in. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> Vec<Lit> {
+    /// outside in.
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> {
         let m = self.machine;
         let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
@@ -246,6 +309,18 @@ impl<'m> ChartStep<'m> {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
             steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
         }
+        steps
+    }
+
+    /// What becomes of variables by what happens once, of which what comes later wins, and which events are
+    /// raised.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+        let steps = self.deeds(fires, moves);
+        let mut raisers = vec![Vec::new(); self.machine.events.len()];
+        for (happens, deeds) in steps.values().flatten() {
+            deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
+        }
+        let raised = raisers.iter().map(|by| aig.any(by)).collect();
         let mut variables = before.to_vec();
         for step in steps.values() {
             let mut writes: BTreeMap<VariableId, [Vec<Lit>; 2]> = BTreeMap::new();
@@ -258,7 +333,42 @@ impl<'m> ChartStep<'m> {
                 variables[v.index()] = write(aig, variables[v.index()], &writes);
             }
         }
-        variables
+        (variables, raised)
+    }
+
+    /// What was the last state of each region with a history once these states are active.
+    fn last(&self, aig: &mut Aig, before: &ChartState, active: &[Lit]) -> Vec<Option<Lit>> {
+        let m = self.machine;
+        let states = m.states.iter().zip(&before.last);
+        states
+            .map(|((id, state), &last)| {
+                let parent = m.regions[state.region].parent?;
+                Some(aig.select(active[parent.index()], active[id.index()], last?))
+            })
+            .collect()
+    }
+
+    /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
+    /// the range.
+    fn count(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit], moves: &Moves) -> Vec<Vector> {
+        let mut after = before.to_vec();
+        if before.is_empty() {
+            return after;
+        }
+        for (happens, deeds) in self.deeds(fires, moves).into_values().flatten() {
+            for assignment in &deeds.assignments {
+                let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
+                let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
+                let value = number(aig, &assignment.value, before);
+                let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
+                let kept = vector::select(aig, low, &lowest, &value);
+                let kept = vector::select(aig, high, &highest, &kept);
+                let after = &mut after[assignment.integer.index()];
+                let kept = vector::fit(&kept, after.len());
+                *after = vector::select(aig, happens, &kept, after);
+            }
+        }
+        after
     }
 
     /// Everything after the charts' steps.
@@ -291,7 +401,8 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, entered, fires } = now;
+        let Now { active, variables, integers, entered, fires, raised } = now;
+        let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -304,21 +415,67 @@ impl<'m> ChartStep<'m> {
             variables,
             inputs: given.inputs.to_vec(),
             outputs: filtered.outputs,
+            raised,
             fresh,
             past,
             marks: filtered.marks,
+            last,
+            integers,
         };
-        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+        ChartScan { after, events: given.before.raised.clone(), fires, commands, acted: filtered.acted, broken, begins }
     }
+}
+
+/// The integers at power-up.
+pub fn initial(machine: &Machine) -> Vec<Vector> {
+    machine.integers.values().map(|i| vector::fit(&vector::constant(i.initial), usize::from(WIDTH))).collect()
+}
+
+/// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
+/// that rows grow.
+fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
+    match number {
+        Number::Const(n) => vector::constant(*n),
+        Number::Value(i) => integers[i.index()].clone(),
+        Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
+            let value = self::number(aig, &operand.value, integers);
+            if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
+        }),
+    }
+}
+
+/// For each region, whether some transition asks for its history.
+fn histories(machine: &Machine) -> Vec<bool> {
+    let mut shallow = vec![false; machine.states.len()];
+    let mut deep = shallow.clone();
+    for t in machine.transitions.values() {
+        match t.inside {
+            Inside::History => shallow[t.target.index()] = true,
+            Inside::DeepHistory => deep[t.target.index()] = true,
+            Inside::Default | Inside::Fork(_) => {}
+        }
+    }
+    let mut asked = vec![false; machine.regions.len()];
+    for (id, region) in machine.regions.iter() {
+        // What is deep reaches all that is below; a parent comes before what it contains.
+        for &s in &region.states {
+            deep[s.index()] |= region.parent.is_some_and(|p| deep[p.index()]);
+        }
+        asked[id.index()] = region.parent.is_some_and(|p| shallow[p.index()] || deep[p.index()]);
+    }
+    asked
 }
 
 /// What a scan has made so far of what is remembered.
 struct Now {
     active: Vec<Lit>,
     variables: Vec<Lit>,
+    integers: Vec<Vector>,
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
+    /// For each event, whether it has been raised.
+    raised: Vec<Lit>,
 }
 
 impl Now {
@@ -326,8 +483,10 @@ impl Now {
         Now {
             active: before.active.clone(),
             variables: before.variables.clone(),
+            integers: before.integers.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
+            raised: vec![Lit::FALSE; machine.events.len()],
         }
     }
 }
@@ -362,7 +521,7 @@ struct Given<'a> {
 
 impl<'a> Given<'a> {
     fn with(self, now: &'a Now) -> Reading<'a> {
-        Reading { given: self, active: &now.active, variables: &now.variables }
+        Reading { given: self, active: &now.active, variables: &now.variables, integers: &now.integers }
     }
 }
 
@@ -371,6 +530,7 @@ struct Reading<'a> {
     given: Given<'a>,
     active: &'a [Lit],
     variables: &'a [Lit],
+    integers: &'a [Vector],
 }
 
 impl Reading<'_> {
@@ -387,6 +547,21 @@ impl Reading<'_> {
             }
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Event(e) => self.given.before.raised[e.index()],
+            Atom::Compare(c) => {
+                let Comparison { left, relation, right } = &self.given.step.machine.comparisons[c];
+                let (left, right) = (number(aig, left, self.integers), number(aig, right, self.integers));
+                let difference = vector::subtract(aig, &left, &right);
+                let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
+                match relation {
+                    Relation::Equal => zero,
+                    Relation::Unequal => !zero,
+                    Relation::Less => negative,
+                    Relation::LessOrEqual => aig.or(negative, zero),
+                    Relation::Greater => !aig.or(negative, zero),
+                    Relation::GreaterOrEqual => !negative,
+                }
+            }
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {

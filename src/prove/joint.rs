@@ -6,7 +6,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use super::matching::{Match, Pair};
-use super::parts::Part;
+use super::parts::{Part, WIDTH};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::ir::iec::Time;
 
@@ -97,9 +97,20 @@ impl Joint {
             variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
             inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
             outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
+            raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
             marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
+            last: machine
+                .states
+                .ids()
+                .map(|s| chart.remembers(s).then(|| aig.leaf(format!("last {}", machine.state_path(s)))))
+                .collect(),
+            integers: machine
+                .integers
+                .values()
+                .map(|i| (0..WIDTH).map(|bit| aig.leaf(format!("{}.{bit}", i.name))).collect())
+                .collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);
         let latches =

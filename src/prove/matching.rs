@@ -2,12 +2,15 @@
 
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
-use super::parts::{Meaning, Part, Timer};
+use super::parts::{Meaning, Part, Timer, WIDTH};
 use super::program_step::ProgramStep;
 use crate::base::iec;
 use crate::ir::chart::{Machine, StateId};
-use crate::ir::iec::{BlockId, Body, Project, Scope, VarId};
+use crate::ir::iec::{BlockId, Body, Kind, Project, Scope, VarId};
 use std::collections::{BTreeMap, BTreeSet};
+
+/// The type of integers.
+const INT: Kind = Kind::Int { bits: WIDTH, signed: true };
 
 /// Which latches of a program stand for which parts of a machine.
 #[derive(Clone, Debug)]
@@ -75,19 +78,37 @@ impl Match {
         for (id, name) in machine.variables.ids().zip(&names.variables) {
             add(Part::Variable(id), name)?;
         }
+        for (id, name) in machine.events.ids().zip(&names.events) {
+            add(Part::Event(id), name)?;
+        }
+        let raised = machine.events.ids().map(Part::Raised).zip(&names.raised);
         let commands = machine.outputs.ids().map(Part::Command).zip(&names.commands);
         let acted = machine.safety.constraints.ids().map(Part::Acted).zip(&names.acted);
         let broken = (0..names.broken.len()).map(Part::Broken).zip(&names.broken);
         let marks = machine.safety.marks().enumerate().map(|(i, mark)| Part::Mark(mark, i)).zip(&names.marks);
-        for (part, name) in commands.chain(acted).chain(broken).chain(marks) {
+        for (part, name) in raised.chain(commands).chain(acted).chain(broken).chain(marks) {
             if let Some(name) = name {
                 add(part, name)?;
             }
+        }
+        for (id, name) in machine.integers.ids().zip(&names.integers) {
+            let what = format!("integer {}", machine.integers[id].name);
+            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what))?;
+            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == INT);
+            let latches = latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not INT"))?;
+            matched.parts.extend((0..WIDTH).map(|bit| Part::Bit(id, bit)).zip(latches));
         }
         matched.steps(pair, names, project);
         matched.timers(pair, names, project);
         foreign_inputs(project, program, &matched.inputs)?;
         matched.by_construction(pair, project);
+        for (state, name) in machine.states.ids().zip(&names.last) {
+            let name = name.as_ref().filter(|_| pair.chart.remembers(state));
+            let latch = name.and_then(|n| globals.get(&iec::fold(n))).and_then(|v| program.variable(*v));
+            if let Some(latch) = latch {
+                matched.meanings[latch] = Some(Meaning::Last(state, true));
+            }
+        }
         Ok(matched)
     }
 

@@ -13,6 +13,8 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Event(chart::EventId),
+    Integer(chart::IntegerId),
     Bit(BitId),
 }
 
@@ -22,7 +24,10 @@ pub enum Symbol {
 pub struct Names {
     symbols: HashMap<String, (Symbol, Span)>,
     actuators: HashMap<String, (chart::ActuatorId, Span)>,
-    states: HashMap<(chart::RegionId, String), chart::StateId>,
+    /// States and choices.
+    states: HashMap<(chart::RegionId, String), Place>,
+    /// Where each choice is declared.
+    choices: Vec<Span>,
     regions: HashMap<(Option<chart::StateId>, usize, String), chart::RegionId>,
     /// All states and regions of a name, in order of declaration.
     everywhere: HashMap<String, Vec<Place>>,
@@ -33,9 +38,11 @@ pub struct Names {
 
 /// What a path can lead through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+pub enum Place {
     State(chart::StateId),
     Region(chart::RegionId),
+    /// The choice of that number.
+    Choice(usize),
 }
 
 /// The text of a description, empty if there is none.
@@ -63,7 +70,7 @@ impl Resolver {
         );
     }
 
-    /// Enters an input, output or variable; its name goes into the PLC as it is.
+    /// Enters an input, output, variable or event; its name goes into the PLC as it is.
     pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
         self.legal(name);
         if iec::is_keyword(&name.text) {
@@ -101,16 +108,31 @@ impl Resolver {
 
     /// Enters a state into its region.
     pub fn declare_state(&mut self, name: &ast::Name, region: chart::RegionId, id: chart::StateId) {
+        self.declare_place(name, region, Place::State(id));
+    }
+
+    /// Enters a choice into its region; they are numbered as they come.
+    pub fn declare_choice(&mut self, name: &ast::Name, region: chart::RegionId) {
+        let place = Place::Choice(self.names.choices.len());
+        self.names.choices.push(name.span);
+        self.declare_place(name, region, place);
+    }
+
+    fn declare_place(&mut self, name: &ast::Name, region: chart::RegionId, place: Place) {
         self.legal(name);
         let folded = iec::fold(&name.text);
-        self.names.everywhere.entry(folded.clone()).or_default().push(Place::State(id));
+        self.names.everywhere.entry(folded.clone()).or_default().push(place);
         self.names.state_list.push(name.text.clone());
         match self.names.states.entry((region, folded)) {
             Entry::Vacant(entry) => {
-                entry.insert(id);
+                entry.insert(place);
             }
             Entry::Occupied(entry) => {
-                let first = self.machine.states[*entry.get()].span;
+                let first = match *entry.get() {
+                    Place::State(id) => self.machine.states[id].span,
+                    Place::Choice(choice) => self.names.choices[choice],
+                    Place::Region(_) => unreachable!("regions have a list of their own"),
+                };
                 self.duplicate(name, first);
             }
         }
@@ -186,6 +208,17 @@ impl Resolver {
         }
     }
 
+    /// The event of that name, or an error.
+    pub fn event(&mut self, name: &ast::Name) -> Option<chart::EventId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Event(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an event");
+                None
+            }
+        }
+    }
+
     /// The actuator of that name, or an error.
     pub fn actuator(&mut self, name: &ast::Name) -> Option<chart::ActuatorId> {
         let found = self.names.actuators.get(&iec::fold(&name.text)).map(|(id, _)| *id);
@@ -245,16 +278,60 @@ impl Resolver {
         (!self.names.everywhere.contains_key(&folded)).then(|| chart.regions.first().copied()).flatten()
     }
 
+    /// The state that `parts` mean in the chart of that name and first region.
+    pub fn state_of_chart(
+        &mut self,
+        chart: &(&str, Span),
+        parts: &[(&str, Span)],
+        first: chart::RegionId,
+    ) -> Option<chart::StateId> {
+        let found = self.state(parts, Some(first))?;
+        let of = |region: chart::RegionId| self.machine.regions[region].chart;
+        if of(self.machine.states[found].region) == of(first) {
+            return Some(found);
+        }
+        let path = self.machine.state_path(found);
+        self.diagnostics.push(
+            Diagnostic::new(Code::UnknownName, format!("`{}` holds no `{path}`", chart.0))
+                .label(parts[0].1, "a state of another chart"),
+        );
+        None
+    }
+
     /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
     /// else anywhere in the machine if only one fits.
     pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {
+        match self.find(parts, region, false)? {
+            Place::State(id) => Some(id),
+            Place::Region(_) | Place::Choice(_) => None,
+        }
+    }
+
+    /// The state that a path means.
+    pub fn path(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<chart::StateId> {
+        self.state(&words(path), Some(region))
+    }
+
+    /// The state or choice that a path means.
+    pub fn target(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<Place> {
+        self.find(&words(path), Some(region), true)
+    }
+
+    /// The state that `parts` mean, or choice if one may stand there.
+    fn find(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>, choices: bool) -> Option<Place> {
         let span = parts[0].1.to(parts[parts.len() - 1].1);
         let text = parts.iter().map(|p| p.0).collect::<Vec<_>>().join(".");
         if let Some(start) = region.and_then(|r| self.outward(parts[0].0, r)) {
             return match self.follow(start, &parts[1..]) {
-                Ok(Place::State(id)) => Some(id),
-                Ok(Place::Region(_)) => {
-                    self.not_a_state(&text, span);
+                Ok(place) if choices || !matches!(place, Place::Choice(_)) => {
+                    if let Place::Region(_) = place {
+                        self.not_a_state(&text, span);
+                        return None;
+                    }
+                    Some(place)
+                }
+                Ok(_) => {
+                    self.is_a_choice(&text, span);
                     None
                 }
                 Err(i) => {
@@ -269,9 +346,18 @@ impl Resolver {
             };
         }
         let found = self.places(parts);
-        let states = states_of(&found);
+        let fits = |p: &Place| match p {
+            Place::State(_) => true,
+            Place::Choice(_) => choices,
+            Place::Region(_) => false,
+        };
+        let states: Vec<Place> = found.iter().copied().filter(fits).collect();
         match states[..] {
             [one] => Some(one),
+            [] if found.iter().any(|p| matches!(p, Place::Choice(_))) => {
+                self.is_a_choice(&text, span);
+                None
+            }
             [] if !found.is_empty() => {
                 self.not_a_state(&text, span);
                 None
@@ -286,7 +372,11 @@ impl Resolver {
                 None
             }
             _ => {
-                let paths: Vec<String> = states.iter().map(|&s| self.machine.state_path(s)).collect();
+                let path = |place: &Place| match *place {
+                    Place::State(id) => Some(self.machine.state_path(id)),
+                    Place::Region(_) | Place::Choice(_) => None,
+                };
+                let paths: Vec<String> = states.iter().filter_map(path).collect();
                 let shown = paths.iter().take(4).map(|p| format!("`{p}`")).collect::<Vec<_>>().join(", ");
                 let more = if paths.len() > 4 { format!(" and {} more", paths.len() - 4) } else { String::new() };
                 self.diagnostics.push(
@@ -299,9 +389,21 @@ impl Resolver {
         }
     }
 
+    fn is_a_choice(&mut self, text: &str, span: Span) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::WrongKind, format!("`{text}` is a choice"))
+                .label(span, "a state is expected here")
+                .help("a choice is never active: only transitions and branches lead to it, and none leaves it but its branches"),
+        );
+    }
+
     /// All states that a path can mean, searched in the whole machine.
     pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
-        states_of(&self.places(parts))
+        let state = |p: Place| match p {
+            Place::State(id) => Some(id),
+            Place::Region(_) | Place::Choice(_) => None,
+        };
+        self.places(parts).into_iter().filter_map(state).collect()
     }
 
     fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
@@ -323,8 +425,8 @@ impl Resolver {
         let folded = iec::fold(name);
         let mut at = Some(region);
         while let Some(r) = at {
-            if let Some(&s) = self.names.states.get(&(r, folded.clone())) {
-                return Some(Place::State(s));
+            if let Some(&place) = self.names.states.get(&(r, folded.clone())) {
+                return Some(place);
             }
             let region = &self.machine.regions[r];
             if let Some(&r) = self.names.regions.get(&(region.parent, region.chart, folded.clone())) {
@@ -341,13 +443,14 @@ impl Resolver {
         for (i, (name, _)) in rest.iter().enumerate() {
             let folded = iec::fold(name);
             let next = match place {
-                Place::Region(r) => self.names.states.get(&(r, folded)).map(|&s| Place::State(s)),
+                Place::Region(r) => self.names.states.get(&(r, folded)).copied(),
+                Place::Choice(_) => None,
                 Place::State(s) => {
                     let state = &self.machine.states[s];
                     let chart = self.machine.regions[state.region].chart;
                     match state.regions.as_slice() {
                         [only] if self.machine.regions[*only].name.is_none() => {
-                            self.names.states.get(&(*only, folded)).map(|&s| Place::State(s))
+                            self.names.states.get(&(*only, folded)).copied()
                         }
                         _ => self.names.regions.get(&(Some(s), chart, folded)).map(|&r| Place::Region(r)),
                     }
@@ -359,12 +462,9 @@ impl Resolver {
     }
 }
 
-fn states_of(places: &[Place]) -> Vec<chart::StateId> {
-    let state = |p: &Place| match p {
-        Place::State(id) => Some(*id),
-        Place::Region(_) => None,
-    };
-    places.iter().filter_map(state).collect()
+/// The words of a path with their places.
+fn words(path: &ast::Path) -> Vec<(&str, Span)> {
+    path.parts.iter().map(|n| (n.text.as_str(), n.span)).collect()
 }
 
 /// What a symbol is, in words.
@@ -373,6 +473,8 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Event(_) => "an event",
+        Symbol::Integer(_) => "an integer",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

@@ -1,4 +1,4 @@
-//! Declared inputs, outputs, variables and hidden bits to those of the machine, with their addresses.
+//! Declared inputs, outputs, variables, events and hidden bits to those of the machine, with their addresses.
 
 use super::Resolver;
 use super::names::{Symbol, describe};
@@ -24,13 +24,27 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
         r.declare_symbol(&signal.name, Symbol::Output(id));
     }
     for variable in &tree.variables {
-        let id = r.machine.variables.push(chart::Variable {
-            name: variable.name.text.clone(),
-            initial: variable.initial,
-            description: describe(&variable.description),
-            span: variable.name.span,
-        });
-        r.declare_symbol(&variable.name, Symbol::Variable(id));
+        let (name, span) = (variable.name.text.clone(), variable.name.span);
+        let description = describe(&variable.description);
+        let symbol = match &variable.kind {
+            ast::VariableKind::Bool(initial) => Symbol::Variable(r.machine.variables.push(chart::Variable {
+                name,
+                initial: *initial,
+                description,
+                span,
+            })),
+            kind @ ast::VariableKind::Integer { .. } => {
+                let (range, initial) = r.range(kind);
+                let integer = chart::Integer { name, range, initial, description, span };
+                Symbol::Integer(r.machine.integers.push(integer))
+            }
+        };
+        r.declare_symbol(&variable.name, symbol);
+    }
+    for event in &tree.events {
+        let (name, span) = (event.name.text.clone(), event.name.span);
+        let id = r.machine.events.push(chart::Event { name, description: describe(&event.description), span });
+        r.declare_symbol(&event.name, Symbol::Event(id));
     }
     // Declared here, so that a condition of the program that names one is told what it is.
     for hidden in tree.plants.iter().flat_map(|p| &p.hidden) {

@@ -9,6 +9,7 @@
 //! - only active regions are visited, and of their transitions only those that leave the active state;
 //! - what states drive, set and reset is looked up for active states that do so: a few bits in the
 //!   words of states;
+//! - a comparison of integers is one more bit, see [`integers`];
 //! - the filter decides all outputs of a word at once, see [`filter`].
 //!
 //! ```
@@ -28,11 +29,16 @@
 
 mod code;
 mod filter;
+mod integers;
 mod steps;
+mod ways;
 
-use crate::ir::chart::{ConstraintId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
+use crate::ir::chart::{
+    ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId, VariableId,
+};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
+use integers::Integers;
 use std::ops::Range;
 use steps::{Configuration, Steps};
 
@@ -58,6 +64,7 @@ pub struct Chart {
     assumptions: Vec<Condition>,
 
     memory: Memory,
+    integers: Integers,
     configuration: Configuration,
     /// For each word of variables, what actions are about to set and to reset.
     writes: Vec<(u64, u64)>,
@@ -101,6 +108,8 @@ impl Chart {
                 words[word] |= bit;
             }
         }
+        let mut memory = Memory { words, scan: 0, entered: vec![0; machine.states.len()], integers: Vec::new() };
+        let integers = Integers::of(machine, layout, &mut memory);
         let mut chart = Chart {
             inputs: machine.inputs.len(),
             layout,
@@ -114,10 +123,11 @@ impl Chart {
             actions: Vec::new(),
             broken: vec![false; assumptions.len()],
             assumptions,
-            memory: Memory { words, scan: 0, entered: vec![0; machine.states.len()] },
+            memory,
+            integers,
             configuration: Configuration::of(machine),
-            writes: vec![(0, 0); layout.states - layout.variables],
-            commands: vec![0; layout.variables - layout.outputs],
+            writes: vec![(0, 0); layout.comparisons - layout.variables],
+            commands: vec![0; layout.events - layout.outputs],
             filter,
             code,
         };
@@ -176,10 +186,11 @@ impl Chart {
         self.memory.scan += 1;
         self.sample(inputs);
         if self.memory.scan == 1 {
-            self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
+            self.steps.begin(&self.code, &mut self.memory, &mut self.configuration);
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }
+        self.integers.assign(self.configuration.happened(), &mut self.memory);
         self.act();
         self.drive();
         self.filter.decide(&mut self.memory.words, &self.commands);
@@ -199,8 +210,11 @@ impl Chart {
             let before = if first { now } else { *word };
             *word = now | before << HALF;
         }
-        for word in &mut self.memory.words[words..self.layout.variables] {
+        for word in &mut self.memory.words[words..self.layout.events] {
             *word <<= HALF;
+        }
+        for word in &mut self.memory.words[self.layout.events..self.layout.variables] {
+            *word >>= HALF;
         }
     }
 
@@ -278,6 +292,17 @@ impl Chart {
     pub fn variable(&self, variable: VariableId) -> bool {
         let (word, bit) = self.layout.variable(variable);
         self.memory.words[word] & bit != 0
+    }
+
+    /// Whether the event was TRUE in the last scan.
+    pub fn event(&self, event: EventId) -> bool {
+        let (word, bit) = self.layout.event(event);
+        self.memory.words[word] & bit != 0
+    }
+
+    /// The integer's value after the last scan.
+    pub fn integer(&self, integer: IntegerId) -> i64 {
+        self.memory.integers[integer.index()]
     }
 
     /// What the chart wanted of the output in the last scan.

@@ -5,6 +5,7 @@ pub mod charts;
 pub mod damage;
 pub mod items;
 pub mod models;
+pub mod numbers;
 pub mod plc;
 pub mod proof;
 pub mod random;

@@ -10,6 +10,7 @@
 mod behaviour;
 mod observers;
 mod safety;
+mod topology;
 mod tree;
 
 use super::items::Item;
@@ -27,6 +28,7 @@ pub fn model(seed: u64) -> Vec<Item> {
     model.plan_observers();
     model.tree(size);
     model.transitions();
+    model.topology();
     model.behaviour();
     let safety = model.safety();
     let mut items = model.declarations();
@@ -34,6 +36,17 @@ pub fn model(seed: u64) -> Vec<Item> {
     items.extend(model.charts());
     items.extend(safety);
     items
+}
+
+/// A range with 0 in it, mostly a small one.
+fn range(rng: &mut Rng) -> (i64, i64) {
+    let (below, above) = match rng.below(40) {
+        0..=24 => (0, rng.between(1, 5)),
+        25..=34 => (rng.below(7), rng.between(1, 5)),
+        35..=38 => (rng.below(1_000), rng.between(100, 3_000)),
+        _ => (32_768, 32_767),
+    };
+    (-(below as i64), above as i64)
 }
 
 /// What an actuator is.
@@ -63,10 +76,12 @@ struct Region {
     actuator: Option<usize>,
     states: Vec<usize>,
     initial: usize,
-    /// The variables that may be written in it.
+    /// The variables that may be written in it; numbers from [`Model::variables`] on are integers.
     variables: Vec<usize>,
     /// The bistable actuators that may be driven in it.
     bistable: Vec<usize>,
+    /// The choice by which it begins, if it does not begin at its initial state.
+    begins: Option<Item>,
     lines: Vec<Item>,
 }
 
@@ -80,6 +95,8 @@ struct State {
     /// Index of its position, where its region has an actuator; a movement has none.
     position: Option<usize>,
     movement: bool,
+    /// Of a movement, the position to which it leads.
+    leads_to: Option<usize>,
     /// How many transitions name it as their source.
     ways_out: usize,
     /// Drives, actions and transitions beside the regions of a parallel state.
@@ -91,6 +108,9 @@ struct Model {
     rng: Rng,
     inputs: usize,
     variables: usize,
+    events: usize,
+    /// The ranges of integers.
+    integers: Vec<(i64, i64)>,
     outputs: usize,
     actuators: Vec<Actuator>,
     regions: Vec<Region>,
@@ -128,11 +148,15 @@ impl Model {
             let short = technology == Technology::OnOff && rng.chance(60);
             actuators.push(Actuator { technology, outputs: [first, second], short });
         }
+        let many = if rng.chance(40) { rng.between(1, 3) } else { 0 };
+        let integers = (0..many).map(|_| range(&mut rng)).collect();
         let mut priorities: Vec<usize> = (0..400).collect();
         rng.shuffle(&mut priorities);
         Model {
             inputs,
             variables: rng.below(5),
+            events: rng.below(3),
+            integers,
             outputs,
             actuators,
             regions: Vec::new(),
@@ -168,11 +192,20 @@ impl Model {
             "outputs",
             (0..self.outputs).map(|i| Item::line(format!("Out{i}{}", address(yes, 'Q', i)))),
         ));
-        if self.variables > 0 {
-            let variables: Vec<Item> = (0..self.variables)
+        if self.variables + self.integers.len() > 0 {
+            let mut variables: Vec<Item> = (0..self.variables)
                 .map(|i| Item::line(format!("Var{i} : BOOL{}", self.rng.pick(&["", " := true", " := false"]))))
                 .collect();
+            for (i, &(lowest, highest)) in self.integers.iter().enumerate() {
+                let distance = usize::try_from(highest - lowest).expect("the lowest comes first");
+                let initial = lowest + self.rng.below(distance + 1) as i64;
+                let initial = if self.rng.chance(50) { format!(" := {initial}") } else { String::new() };
+                variables.push(Item::line(format!("Int{i} : {lowest}..{highest}{initial}")));
+            }
             items.push(Item::block("variables", variables));
+        }
+        if self.events > 0 {
+            items.push(Item::block("events", (0..self.events).map(|i| Item::line(format!("Ev{i}")))));
         }
         for i in 0..self.actuators.len() {
             let Actuator { technology, outputs, short } = self.actuators[i].clone();
@@ -190,7 +223,8 @@ impl Model {
             for (p, output) in outputs.into_iter().enumerate() {
                 let output = output.map(|o| format!(" output Out{o}")).unwrap_or_default();
                 let sensor = if technology == Technology::OnOff { String::new() } else { self.sensor() };
-                positions.push(Item::line(format!("position {}{output}{sensor}", self.position(i, p))));
+                let limit = self.limit(i, p);
+                positions.push(Item::line(format!("position {}{output}{sensor}{limit}", self.position(i, p))));
             }
             let valve = if technology == Technology::Bistable { VALVES[i % VALVES.len()] } else { "" };
             items.push(Item::block(format!("actuator Act{i} {word}{valve}"), positions));
@@ -206,6 +240,24 @@ impl Model {
             1 if a != b => format!(" sensor {a} or {b}"),
             2 => format!(" sensor not {a}"),
             _ => format!(" sensor {a}"),
+        }
+    }
+
+    /// A time limit for movements to a position: if there is one, and what is late may be said there.
+    fn limit(&mut self, actuator: usize, position: usize) -> String {
+        let movements = self.states.iter().filter(|s| s.movement && self.regions[s.region].actuator == Some(actuator));
+        let regions: Vec<usize> = movements.filter(|s| s.leads_to == Some(position)).map(|s| s.region).collect();
+        let (Some(&first), true) = (regions.first(), self.rng.chance(50)) else { return String::new() };
+        // More than one region may raise an event, but not write a variable.
+        let alone = regions.iter().all(|&r| r == first);
+        let mut variables = self.regions[first].variables.clone();
+        variables.retain(|&v| alone && v < self.variables);
+        let variable = self.rng.choose(&variables);
+        let time = self.rng.between(1, 80);
+        match variable {
+            Some(v) => format!(" within {time}ms else set Var{v}"),
+            None if self.events > 0 => format!(" within {time}ms else raise Ev{}", self.rng.below(self.events)),
+            None => String::new(),
         }
     }
 

@@ -11,7 +11,9 @@ impl Model {
     pub fn tree(&mut self, size: usize) {
         let charts = if size > 3 && self.rng.chance(30) { self.rng.between(2, 3) } else { 1 };
         let shares = self.rng.split(size, charts);
-        let variables = self.deal(&self.free_variables(), charts);
+        let mut free = self.free_variables();
+        free.extend(self.variables..self.variables + self.integers.len());
+        let variables = self.deal(&free, charts);
         let bistable = (0..self.actuators.len()).filter(|&a| self.actuators[a].technology == Technology::Bistable);
         let bistable = self.deal(&bistable.collect::<Vec<_>>(), charts);
         for (chart, share) in shares.into_iter().enumerate() {
@@ -75,6 +77,7 @@ impl Model {
             initial: 0,
             variables: variables.to_vec(),
             bistable: bistable.to_vec(),
+            begins: None,
             lines: Vec::new(),
         });
         let count = self.rng.between(1, 6.min(size)).max(2.min(size));
@@ -97,6 +100,7 @@ impl Model {
                 is_final: share == 0 && self.rng.chance(25),
                 position: actuator.map(|_| self.rng.below(2)),
                 movement: false,
+                leads_to: None,
                 ways_out: 0,
                 lines: Vec::new(),
             });
@@ -164,15 +168,16 @@ impl Model {
     }
 
     fn body(&mut self, region: usize) -> Vec<Item> {
-        let Region { states, initial, actuator, lines, .. } = self.regions[region].clone();
-        let mut items = Vec::new();
+        let Region { states, initial, actuator, begins, lines, .. } = self.regions[region].clone();
+        let begins_here = |state| begins.is_none() && state == initial;
+        let mut items: Vec<Item> = begins.iter().cloned().collect();
         for state in states {
             if self.states[state].movement {
                 continue;
             }
             let State { name, regions, is_final, position, lines, .. } = self.states[state].clone();
             let mut head = String::new();
-            if state == initial {
+            if begins_here(state) {
                 head.push_str("initial ");
             }
             if is_final {

@@ -177,12 +177,10 @@ impl<'a> Pair<'a> {
         let mut dangerous = |order: &Order<'a>, end: Option<(Member<'a>, &[usize])>| {
             let held = held.entry((order.member.index, order.to)).or_insert(Held {
                 order: *order,
-                ends: BTreeMap::new(),
+                ends: Vec::new(),
                 sources: Vec::new(),
             });
-            if let Some((other, zones)) = end {
-                held.ends.entry(other.index).or_insert((other, BTreeSet::new())).1.extend(zones);
-            }
+            held.ends.extend(end.map(|(other, zones)| (other, zones.to_vec())));
             if !held.sources.contains(&source.text) {
                 held.sources.push(source.text.clone());
             }
@@ -228,8 +226,8 @@ impl<'a> Pair<'a> {
 /// An order that has to stay until its end is reached, and what ends it before.
 struct Held<'a> {
     order: Order<'a>,
-    /// By the index of another actuator, the zones of that one in which the order is taken back.
-    ends: BTreeMap<usize, (Member<'a>, BTreeSet<usize>)>,
+    /// Other actuators and the zones of theirs in which the order is taken back.
+    ends: Vec<(Member<'a>, Vec<usize>)>,
     /// The forbidden positions that need it.
     sources: Vec<String>,
 }
@@ -237,15 +235,17 @@ struct Held<'a> {
 impl Held<'_> {
     fn derive(self) -> Option<Derived> {
         let (order, actuator) = (self.order, self.order.member.actuator);
+        let mut taken: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        self.ends.iter().for_each(|(other, zones)| taken.entry(other.index).or_default().extend(zones));
         // What is never allowed need not be held.
-        let never = self.ends.values().any(|(_, zones)| zones.len() == ZONES.len());
+        let never = taken.values().any(|zones| zones.len() == ZONES.len());
         if never || !matches!(actuator.valve, Some((Valve::Memory, _))) {
             return None;
         }
         let span = actuator.name.span;
         let there = sensor(order.member.sensors[order.to / 2], span);
-        let zones = |zones: &BTreeSet<usize>| zones.iter().copied().collect::<Vec<_>>();
-        let ends = self.ends.values().map(|(other, taken)| other.within(&zones(taken), span).not());
+        // Each as it is written there, so that a sensor that lies cannot make both demands at once.
+        let ends = self.ends.iter().map(|(other, zones)| other.within(zones, span).not());
         let parts = [fall(order.output, span), there.not()].into_iter().chain(ends).collect();
         let text = format!("{} until it is there: the valve remembers", order.words());
         let mut d = derived(&actuator.name, format!("Hold_{}", order.output.text), parts, None, text);

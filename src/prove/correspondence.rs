@@ -5,7 +5,7 @@
 //! program: that the variable of this name does hold what the machine says is what is to be proved.
 
 use crate::base::Span;
-use crate::ir::chart::{Machine, Mark, StateId};
+use crate::ir::chart::{Constraint, Machine, Mark, StateId};
 use crate::ir::plc::{Body, Project, Role};
 use std::collections::BTreeMap;
 
@@ -57,6 +57,15 @@ impl Correspondence {
             }
         }
         let find = |role: Role, span: Span| names.get(&(rank(role), span)).map(|n| n.to_string());
+        // Constraints that are derived together stand at one place.
+        let mut of_constraints: BTreeMap<(u8, &str), &str> = BTreeMap::new();
+        for global in project.globals.values().filter(|g| g.origin.what.starts_with("constraint ")) {
+            of_constraints.entry((rank(global.role), &global.origin.what)).or_insert(&global.name);
+        }
+        let constraint = |role: Role, c: &Constraint| {
+            let what = format!("constraint {}", c.name);
+            of_constraints.get(&(rank(role), what.as_str())).map(|n| (*n).to_owned())
+        };
         let or_own = |role: Role, span: Span, own: &str| find(role, span).unwrap_or_else(|| own.to_owned());
 
         let by_span: BTreeMap<Span, StateId> = machine.states.iter().map(|(id, s)| (s.span, id)).collect();
@@ -97,13 +106,13 @@ impl Correspondence {
             flags,
             last: machine.states.values().map(|s| find(Role::History, s.span)).collect(),
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
-            acted: machine.safety.constraints.values().map(|c| find(acted, c.span)).collect(),
+            acted: machine.safety.constraints.values().map(|c| constraint(acted, c)).collect(),
             marks: machine
                 .safety
                 .marks()
                 .map(|mark| match mark {
                     Mark::Noted => find(Role::Noted, machine.safety.span),
-                    Mark::First(c) => find(Role::First, machine.safety.constraints[c].span),
+                    Mark::First(c) => constraint(Role::First, &machine.safety.constraints[c]),
                 })
                 .collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),

@@ -7,9 +7,11 @@ use super::expr::Expr;
 use super::number::{Comparison, Number};
 use crate::base::Span;
 
-mod derive;
+mod functions;
+mod safety;
 mod ways;
-pub use derive::{Derive, Forbid, Place, Valve};
+pub use functions::{Function, Job, Sequence, SequenceDoing, SequenceStep};
+pub use safety::{Constraint, Derive, Forbid, Place, Safety, Valve};
 pub use ways::{Branch, Choice, Source, Target};
 
 /// A word with its place: a declared name or one part of a path.
@@ -63,6 +65,10 @@ pub struct Machine {
     pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
+    /// All `function …` in order.
+    pub functions: Vec<Function>,
+    /// All `sequence …` in order.
+    pub sequences: Vec<Sequence>,
     /// All `observer …` in order.
     pub observers: Vec<Observer>,
     /// All `chart …` in order.
@@ -431,38 +437,6 @@ pub struct Action {
     pub value: bool,
     /// Its condition.
     pub condition: Option<Guard>,
-}
-
-/// `safety supervisor relief in-order reset by Ack { … }`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Safety {
-    /// `supervisor`, where it stands.
-    pub mode: Name,
-    /// `relief in-order`, where it stands.
-    pub in_order: Option<Span>,
-    /// `reset by …`.
-    pub reset: Option<Name>,
-    /// The constraints in order.
-    pub constraints: Vec<Constraint>,
-    /// The assumptions in order.
-    pub assumptions: Vec<Constraint>,
-    /// What is forbidden, in order.
-    pub forbids: Vec<Forbid>,
-    /// What is to be derived, in order.
-    pub derives: Vec<Derive>,
-}
-
-/// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Constraint {
-    /// Its name.
-    pub name: Name,
-    /// What must never be TRUE.
-    pub never: Guard,
-    /// Who gives way.
-    pub yields: Vec<Name>,
-    /// Why, in words for the operator.
-    pub text: Option<Text>,
 }
 
 /// A time: `100ms`, `2s`, `3 scans`.

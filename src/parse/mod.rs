@@ -8,6 +8,7 @@
 
 mod build;
 mod derive;
+mod functions;
 mod numbers;
 mod scan;
 mod scenarios;
@@ -93,6 +94,8 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_outer_item => Rule::lone_outer_item,
         Rule::bad_branch => Rule::lone_branch,
         Rule::bad_constraint => Rule::lone_constraint,
+        Rule::bad_function_item => Rule::lone_function_item,
+        Rule::bad_sequence_item => Rule::lone_sequence_item,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,
         other => unreachable!("{other:?} is no recovery rule"),

@@ -1,6 +1,6 @@
-//! What constraints are derived from, and which.
+//! What must never be, and what that is derived from.
 
-use super::{Name, Text};
+use super::{Guard, Name, Text};
 use crate::base::Span;
 
 /// What a bistable actuator does when neither of its outputs is TRUE.
@@ -10,6 +10,38 @@ pub enum Valve {
     ClosedCentre,
     /// `memory`: it goes on by its last order.
     Memory,
+}
+
+/// `safety supervisor relief in-order reset by Ack { … }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Safety {
+    /// `supervisor`, where it stands.
+    pub mode: Name,
+    /// `relief in-order`, where it stands.
+    pub in_order: Option<Span>,
+    /// `reset by …`.
+    pub reset: Option<Name>,
+    /// The constraints in order.
+    pub constraints: Vec<Constraint>,
+    /// The assumptions in order.
+    pub assumptions: Vec<Constraint>,
+    /// What is forbidden, in order.
+    pub forbids: Vec<Forbid>,
+    /// What is to be derived, in order.
+    pub derives: Vec<Derive>,
+}
+
+/// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constraint {
+    /// Its name.
+    pub name: Name,
+    /// What must never be TRUE.
+    pub never: Guard,
+    /// Who gives way.
+    pub yields: Vec<Name>,
+    /// Why, in words for the operator.
+    pub text: Option<Text>,
 }
 
 /// `F1: forbid Horizontal between unless Vertical at Up "…"`.

@@ -2,6 +2,7 @@
 
 mod cli;
 mod constraints;
+mod derive;
 mod docs;
 mod emit;
 mod explain;

@@ -220,6 +220,11 @@ codes! {
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
     BadReset "E410" "a filter lacks its reset, or has one that it cannot use",
+    NothingDerived "E420" "a name means nothing that constraints could be derived from",
+    ValveNeeded "E421" "what keeps an actuator away depends on its valve, which is not declared",
+    BadForbid "E422" "positions are forbidden that cannot be told or kept",
+    BadValve "E423" "a valve does not fit its actuator or the plant",
+    NotKept "E424" "positions are forbidden and nothing prevents them",
 
     NotPlcopen "E601" "the file is not PLCopen XML",
     NotUnderstood "E602" "a construct of the PLC project is not understood",

@@ -5,6 +5,7 @@ mod constraints;
 mod docs;
 mod emit;
 mod explain;
+mod filters;
 mod indexa_by_chance;
 mod invalid;
 mod layers;

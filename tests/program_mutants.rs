@@ -67,7 +67,7 @@ fn damaged_programs_are_refuted() {
                 run(machine, names, &project, &what, made as u64);
             }
             Verdict::Unknown(doubt) => match *doubt {
-                Doubt::Incomparable(_) | Doubt::NotInductive { .. } | Doubt::GaveUp { .. } => {
+                Doubt::Incomparable(_) | Doubt::Unsafe(_) | Doubt::NotInductive { .. } | Doubt::GaveUp { .. } => {
                     println!("unknown {took:?} {name}: {what}: {doubt}");
                     unknown.push(format!("{name}: {what}: {doubt}"));
                 }

@@ -30,9 +30,9 @@ fn stages(model: &Model) -> [String; 7] {
     let (tree, diagnostics) = parse::parse(&model.source);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
     let tree = tree.expect("a model without errors has a tree");
-    let (machine, diagnostics) = resolve::resolve(&tree);
+    let (mut machine, diagnostics) = resolve::resolve(&tree);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let diagnostics = check::check(&machine);
+    let diagnostics = check::check(&mut machine);
     assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", model.name);
     let project = lower::lower(&machine);
     let header = Header { created: "1970-01-01T00:00:00".into(), version: "0".into(), remark: None };

@@ -203,6 +203,10 @@ codes! {
     BlockedRelief "E408" "the output that should yield can be held by a simple constraint",
     BadAssumption "E409" "an assumption speaks of what the program decides",
     BadReset "E410" "a filter lacks its reset, or has one that it cannot use",
+    RestlessReliefs "E411" "reliefs in order do not come to rest",
+    NoSafeOutputs "E412" "no outputs meet all constraints",
+    UnsafeFilter "E413" "a program's filter lets through what a constraint forbids",
+    NothingPossible "E414" "assumptions exclude every case",
 
     NotPlcopen "E601" "the file is not PLCopen XML",
     NotUnderstood "E602" "a construct of the PLC project is not understood",

@@ -5,15 +5,18 @@
 //! - [`lower`](crate::lower) cannot fail;
 //! - every state can be entered, so every step of every SFC is reached from its initial step;
 //! - no variable is written by two regions in one scan, no actuator driven both ways;
+//! - it says how many sweeps reliefs in order take, and after these no constraint is violated;
 //! - the corrected filter algorithm leaves no constraint violated (properties 0, 1, 3, 4 and the
 //!   absence of opposite reliefs, under the declared assumptions).
 
+mod assumed;
 mod coherence;
 mod dead;
 mod done;
 mod entered;
 mod fires;
 mod opposed_drives;
+mod order;
 mod priorities;
 mod relation;
 mod size;
@@ -24,7 +27,7 @@ use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
 
 /// Applies every rule.
-pub fn check(machine: &Machine) -> Diagnostics {
+pub fn check(machine: &mut Machine) -> Diagnostics {
     let mut found = Diagnostics::new();
     size::check(machine, &mut found);
     entered::check(machine, &mut found);
@@ -33,7 +36,9 @@ pub fn check(machine: &Machine) -> Diagnostics {
     fires::check(machine, &mut found);
     writes::check(machine, &mut found);
     opposed_drives::check(machine, &mut found);
+    assumed::check(machine, &mut found);
     coherence::check(machine, &mut found);
+    order::check(machine, &mut found);
     unused::check(machine, &mut found);
     found
 }

@@ -5,7 +5,7 @@ use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::ir::scenario::{Condition, Doing};
-use crate::prove::{self, Verdict};
+use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
 use crate::{check, lower, parse, read, resolve};
 
@@ -16,10 +16,10 @@ pub use crate::prove::Statistics;
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
     let Some(tree) = tree else { return (None, diagnostics) };
-    let (machine, found) = resolve::resolve(&tree);
+    let (mut machine, found) = resolve::resolve(&tree);
     diagnostics.append(found);
     if !diagnostics.has_errors() {
-        diagnostics.append(check::check(&machine));
+        diagnostics.append(check::check(&mut machine));
     }
     diagnostics.sort();
     let machine = (!diagnostics.has_errors()).then_some(machine);
@@ -143,6 +143,13 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
                 .help("the table shows the run that leads there, chart beside program"),
             );
             (Judgement::Refuted(trace.to_string()), diagnostics)
+        }
+        Verdict::Unknown(doubt) if matches!(*doubt, Doubt::Unsafe(_)) => {
+            diagnostics.push(
+                Diagnostic::new(Code::UnsafeFilter, doubt.to_string())
+                    .help("the program is what the chart says; it is the constraints that do not hold"),
+            );
+            (Judgement::Undecided, diagnostics)
         }
         Verdict::Unknown(doubt) => {
             diagnostics.push(

@@ -118,6 +118,46 @@ pub fn step(
     (compare.count, failures)
 }
 
+/// One scan of both, the program cut before its filter.
+pub struct Cut {
+    /// The graph.
+    pub aig: Aig,
+    /// What the chart remembers from before.
+    pub before: ChartState,
+    /// The inputs.
+    pub inputs: Vec<Lit>,
+    /// The chart's scan, which knows nothing of the cut.
+    pub chart: ChartScan,
+    /// For each output, its command: free, unless nothing ever commands it.
+    pub commands: Vec<Lit>,
+    /// For each output, what the program makes of these commands.
+    pub outputs: Vec<Lit>,
+}
+
+/// The first scan or any later one, in which the program reads whatever commands there may be instead of
+/// those that it has computed.
+pub fn cut(pair: Pair<'_>, matched: &Match, first: bool) -> Cut {
+    let mut both = if first { Both::power_up(pair) } else { Both::anywhere(pair, matched) };
+    let of = |wanted: fn(&Part) -> Option<usize>| {
+        let mut latches: Vec<(usize, usize)> =
+            matched.parts.iter().filter_map(|(part, latch)| Some((wanted(part)?, *latch))).collect();
+        latches.sort_unstable();
+        latches
+    };
+    let commands = of(|part| if let Part::Command(o) = part { Some(o.index()) } else { None });
+    let outputs = of(|part| if let Part::Output(o) = part { Some(o.index()) } else { None });
+    let last = pair.program.last_writers();
+    let mut free = vec![Lit::FALSE; pair.machine.outputs.len()];
+    let state = both.run(matched, &mut |aig, program, state| {
+        for &(output, latch) in commands.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+            free[output] = aig.leaf(format!("command {output}"));
+            state[latch] = free[output];
+        }
+    });
+    let outputs = outputs.iter().map(|&(_, latch)| state[latch]).collect();
+    Cut { aig: both.aig, before: both.before, inputs: both.inputs, chart: both.chart, commands: free, outputs }
+}
+
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
 /// known by construction; returns how many were found. What is found is a guess and becomes a claim.
 /// Latches that `hopeless` names are left alone.

@@ -17,6 +17,8 @@
 //! is executed, [`simulate`] executes it scan by scan, and the machine that it was made from, in its
 //! plant and with its scenarios.
 //!
+//! [`verify`] says what is true of all runs of a machine.
+//!
 //! [`ir`] holds the forms in between and says what they mean; [`bits`] Boolean functions and a solver for
 //! them; [`base`] what all layers share.
 //! Nothing below [`cli`] prints, reads files or ends the process.
@@ -40,3 +42,4 @@ pub mod read;
 pub mod resolve;
 pub mod simulate;
 pub mod stats;
+pub mod verify;

@@ -387,3 +387,23 @@ fn indexa_has_the_published_size() {
     let size = ["macroStates", "elementaryStates", "levels"].map(|key| machine[key].as_u64().unwrap());
     assert_eq!(size, [32, 65, 5]);
 }
+
+#[test]
+fn constraints_analyses_also_what_is_wrong() {
+    let models = repository("models");
+    let text = chartwright(&models, "constraints filter_combined.chart");
+    assert_eq!((code(&text), stderr(&text)), (0, "no errors, no warnings\n"));
+    assert!(stdout(&text).contains("  GO: C1 -> C2\n"), "{}", stdout(&text));
+    let dot = chartwright(&models, "constraints --format dot filter_combined.chart");
+    assert!(stdout(&dot).contains("digraph GO {") && stdout(&dot).contains("  0 -> 1;"), "{}", stdout(&dot));
+    let wrong = chartwright(&models, "constraints --format json invalid/E407_contradicting_reliefs.chart");
+    assert_eq!(code(&wrong), 1);
+    let document = json(&wrong);
+    assert_eq!(document["constraints"]["properties"][1]["holds"], false);
+    assert_eq!(document["constraints"]["matrices"]["MX"], serde_json::json!([[0, 1], [1, 0]]));
+    // Without a relief there is no filter, and no more to say.
+    let nobody = json(&chartwright(&models, "constraints --format json invalid/E402_nobody_yields.chart"));
+    assert_eq!(nobody["constraints"]["properties"].as_array().map(Vec::len), Some(1));
+    let unknown = chartwright(&models, "constraints invalid/E104_unknown_name.chart");
+    assert_eq!((code(&unknown), stdout(&unknown)), (1, ""));
+}

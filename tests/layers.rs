@@ -22,8 +22,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
-    ("pipeline", &["base", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"]),
-    ("cli", &["base", "ir", "parse", "pipeline", "simulate", "stats"]),
+    ("verify", &["base", "bits", "ir"]),
+    (
+        "pipeline",
+        &["base", "constraints", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"],
+    ),
+    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

@@ -25,3 +25,5 @@ mod snapshots;
 mod stability;
 mod support;
 mod text;
+mod verify_engines;
+mod verify_export;

@@ -39,6 +39,7 @@ pub enum Command {
     Prove(Prove),
     Test(Test),
     Simulate(Simulate),
+    Constraints(Constraints),
     Stats(Stats),
     Explain(Explain),
 }
@@ -257,6 +258,44 @@ pub enum Trace {
     Csv,
     /// A value change dump, for GTKWave or Surfer.
     Vcd,
+}
+
+/// Says what is to be known about the safety constraints of a model.
+///
+/// Reads FILE and shows, for each constraint, its products: simple (CSs) or combined (CSc), static,
+/// combinatory or sequential, and what they force. For each output, what forces it off and on; for combined
+/// products, the matrices MX and MC and the graphs G and GO; whether properties 0 to 4 hold, each violation
+/// with a case in which it happens; constraints that others imply, and outputs that none touches. Models
+/// whose constraints contradict each other are analysed, too.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright constraints door.chart
+  chartwright constraints --format json door.chart
+  chartwright constraints --format dot door.chart | dot -Tsvg -O
+
+Exit codes:
+  0  analysed, and no error was found
+  1  the model has errors, or the file cannot be read
+  2  the command line is wrong")]
+pub struct Constraints {
+    /// The model.
+    pub file: PathBuf,
+
+    /// How to show the analysis, on standard output.
+    #[arg(long, value_enum, default_value_t = Form::Text)]
+    pub format: Form,
+}
+
+/// How an analysis is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// Text for people; errors and warnings go to standard error.
+    Text,
+    /// One JSON document with all of it, matrices included.
+    Json,
+    /// The graphs G and GO, for Graphviz.
+    Dot,
 }
 
 /// Counts what a model and its program consist of.

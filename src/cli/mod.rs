@@ -2,6 +2,7 @@
 
 mod args;
 mod build;
+mod constraints;
 mod explain;
 mod files;
 mod junit;
@@ -69,6 +70,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Prove(args) => prove::run(&args),
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
+            Command::Constraints(args) => constraints::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

@@ -1,6 +1,7 @@
 //! The one place that knows the order of the stages.
 
-use crate::base::{Code, Diagnostic, Diagnostics, LineIndex};
+use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity};
+use crate::constraints::Analysis;
 use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
@@ -24,6 +25,23 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     diagnostics.sort();
     let machine = (!diagnostics.has_errors()).then_some(machine);
     (machine, diagnostics)
+}
+
+/// Text to what is to be known about its constraints. Where these contradict each other, or one does not say
+/// who yields, there are errors among the diagnostics, and an analysis all the same.
+pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
+    let (tree, mut diagnostics) = parse::parse(source);
+    let Some(tree) = tree else { return (None, diagnostics) };
+    let (mut machine, found) = resolve::resolve(&tree);
+    let harmless = [Code::NobodyYields, Code::CannotYield];
+    let whole = found.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
+    let resolved = !found.has_errors();
+    diagnostics.append(found);
+    if resolved {
+        diagnostics.append(check::check(&mut machine));
+    }
+    diagnostics.sort();
+    (whole.then(|| Analysis::of(&machine)), diagnostics)
 }
 
 /// A machine without errors to its PLC project.

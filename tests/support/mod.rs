@@ -14,3 +14,4 @@ pub mod rng;
 pub mod runs;
 pub mod schema;
 pub mod shrink;
+pub mod systems;

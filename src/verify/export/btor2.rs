@@ -1,0 +1,81 @@
+//! BTOR2 (Niemetz, Preiner, Wolf, Biere, 2018): every bit a vector of one.
+
+use super::super::aig::Lit;
+use super::super::system::System;
+use super::{bads, gates};
+use std::fmt::Write;
+
+struct Writer {
+    text: String,
+    /// The number of the last line.
+    last: usize,
+    /// For each node, the number of the line that it is.
+    of: Vec<usize>,
+    /// The same for the opposite; 0 until it is written.
+    opposite: Vec<usize>,
+}
+
+impl Writer {
+    fn line(&mut self, words: &str) -> usize {
+        self.last += 1;
+        let _ = writeln!(self.text, "{} {words}", self.last);
+        self.last
+    }
+
+    fn lit(&mut self, l: Lit) -> usize {
+        let node = l.node();
+        if !l.is_negated() {
+            return self.of[node];
+        }
+        if self.opposite[node] == 0 {
+            self.opposite[node] = self.line(&format!("not 1 {}", self.of[node]));
+        }
+        self.opposite[node]
+    }
+}
+
+/// As text. What is always possible cannot be said and is left out.
+pub fn write(system: &System) -> String {
+    let mut w = Writer {
+        text: "; made by chartwright\n".to_owned(),
+        last: 0,
+        of: vec![0; system.aig.len()],
+        opposite: vec![0; system.aig.len()],
+    };
+    w.line("sort bitvec 1");
+    w.of[0] = w.line("zero 1");
+    for input in &system.inputs {
+        w.of[input.leaf.node()] = w.line(&format!("input 1 {}", symbol(system.name(input.leaf))));
+    }
+    for latch in &system.latches {
+        w.of[latch.leaf.node()] = w.line(&format!("state 1 {}", symbol(system.name(latch.leaf))));
+    }
+    for latch in &system.latches {
+        if let Some(value) = latch.initial {
+            let value = w.lit(Lit::of(value));
+            w.line(&format!("init 1 {} {value}", w.of[latch.leaf.node()]));
+        }
+    }
+    for (n, a, b) in gates(system) {
+        let (a, b) = (w.lit(a), w.lit(b));
+        w.of[n] = w.line(&format!("and 1 {a} {b}"));
+    }
+    for latch in &system.latches {
+        let next = w.lit(latch.next);
+        w.line(&format!("next 1 {} {next}", w.of[latch.leaf.node()]));
+    }
+    for &c in &system.constraints {
+        let c = w.lit(c);
+        w.line(&format!("constraint {c}"));
+    }
+    for (name, bad) in bads(system) {
+        let bad = w.lit(bad);
+        w.line(&format!("bad {bad} {}", symbol(name)));
+    }
+    w.text
+}
+
+/// A name without white space, and without what begins a comment.
+fn symbol(name: &str) -> String {
+    name.chars().map(|c| if c.is_whitespace() || c.is_control() || c == ';' { '_' } else { c }).collect()
+}

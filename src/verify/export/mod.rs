@@ -1,0 +1,37 @@
+//! A system to text that other tools read, and what they found back.
+//!
+//! Latches, inputs and claims keep their order and their names, so what another tool says about the third
+//! bad of a file is said about the third claim of that kind.
+
+pub mod aiger;
+pub mod btor2;
+pub mod smv;
+pub mod witness;
+
+use super::aig::{Lit, Node};
+use super::system::{Property, System};
+
+/// A system's claims that something never is, each with its name.
+fn bads(system: &System) -> Vec<(&str, Lit)> {
+    let bads =
+        system.claims.iter().map(|c| if let Property::Never(bad) = c.property { Some((&*c.name, bad)) } else { None });
+    bads.flatten().collect()
+}
+
+/// The gates on which anything depends, in topological order.
+fn gates(system: &System) -> Vec<(usize, Lit, Lit)> {
+    let mut roots = system.constraints.clone();
+    roots.extend(system.latches.iter().map(|l| l.next));
+    roots.extend(system.claims.iter().filter_map(|c| match c.property {
+        Property::Never(l) | Property::AlwaysPossible(l) => Some(l),
+        Property::NeverStuck => None,
+    }));
+    let cone = system.aig.cone(&roots);
+    let gate = |n: usize| if let Node::And(a, b) = system.aig.node(n) { Some((n, a, b)) } else { None };
+    cone.into_iter().filter_map(gate).collect()
+}
+
+/// A name on one line.
+fn line(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

@@ -1,0 +1,56 @@
+//! How much an engine may spend.
+
+use std::fmt;
+
+/// Asked now and then whether to stop. The engines know no clock: who has one looks at it here.
+pub type Stop<'a> = &'a dyn Fn() -> bool;
+
+/// What the engines may spend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Nodes of decision diagrams that there may be at once; some 25 bytes each.
+    pub nodes: usize,
+    /// Scans that a bounded search looks ahead.
+    pub scans: usize,
+    /// Conflicts of the SAT solver for one claim and engine.
+    pub conflicts: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { nodes: 4_000_000, scans: 100, conflicts: 2_000_000 }
+    }
+}
+
+/// Why an engine gave up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// The diagrams would need more nodes than there may be.
+    Nodes,
+    /// The search looked as far ahead as it may.
+    Scans,
+    /// The solver met as many conflicts as it may.
+    Conflicts,
+    /// It was told to stop.
+    Stopped,
+    /// No engine that was left answers such a question.
+    Kind,
+    /// A run was found that the system does not do: a fault of the engine.
+    Replay,
+    /// A proof was found that is none: a fault of the engine.
+    Certificate,
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Limit::Nodes => "the set of reachable states needs more memory than is allowed",
+            Limit::Scans => "nothing was found within the scans that are looked ahead",
+            Limit::Conflicts => "the solver gave up",
+            Limit::Stopped => "the time was up",
+            Limit::Kind => "only the exact set of reachable states would tell",
+            Limit::Replay => "a run was found that cannot be replayed; please report this",
+            Limit::Certificate => "a proof was found that cannot be checked; please report this",
+        })
+    }
+}

@@ -1,0 +1,32 @@
+//! A transition system over bits to verdicts about all its runs.
+//!
+//! | module | does |
+//! | --- | --- |
+//! | [`system`] | latches, inputs, constraints, claims, and runs that can be replayed |
+//! | [`engine`] | which engine answers what |
+//! | [`symbolic`] | all reachable states, with [`bdd`], [`order`] and [`relation`] |
+//! | [`bounded`] | shortest runs, by a [`solver`] |
+//! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
+//! | [`export`] | for other tools, and their runs back |
+//! | [`limits`] | how much they may spend, and why they gave up |
+//!
+//! Nothing here knows of charts.
+
+pub mod bdd;
+pub mod bounded;
+pub mod certificate;
+pub mod count;
+pub mod engine;
+pub mod export;
+pub mod limits;
+pub mod order;
+pub mod pdr;
+pub mod relation;
+pub mod solver;
+pub mod symbolic;
+pub mod system;
+
+pub use crate::bits::{aig, sat};
+pub use engine::{Choice, Engine, Finding, Progress, Report, Verdict, check};
+pub use limits::{Limit, Limits};
+pub use system::{Claim, Giver, Input, Latch, Property, System, Trace};

@@ -1,0 +1,191 @@
+//! All reachable states at once: the exact engine.
+//!
+//! Breadth first, so that the first set in which something shows tells how many scans it takes, and the
+//! sets before it, one inside the other like the rings of an onion, lead back to the beginning.
+
+use super::aig::Lit;
+use super::bdd::Edge;
+use super::count::Count;
+use super::limits::{Limit, Limits, Stop};
+use super::relation::Relation;
+use super::solver::{Outcome, Solver};
+use super::system::{Claim, Property, System, Trace};
+
+/// What the exact engine has found out.
+pub struct Explored {
+    /// For each claim, whether it holds; nothing where that is not known.
+    pub verdicts: Vec<Option<Result<(), Trace>>>,
+    /// How many states are reachable, over those latches that the claims depend on; if all were found.
+    pub states: Option<Count>,
+    /// After how many scans no new state was found, or how far the search came.
+    pub scans: usize,
+    /// Why it did not come to an end.
+    pub limit: Option<Limit>,
+}
+
+/// Explores all that can be reached, for all claims together. `progress` is told after how many scans it is.
+pub fn explore(system: &System, limits: &Limits, stop: Stop<'_>, progress: &mut dyn FnMut(usize)) -> Explored {
+    let claims = &system.claims;
+    let mut explored = Explored { verdicts: vec![None; claims.len()], states: None, scans: 0, limit: None };
+    let asked: Vec<Lit> = claims.iter().filter_map(|c| literal(c.property)).collect();
+    let outcome = Relation::new(system, &asked, limits.nodes, stop).and_then(|relation| {
+        let search = Search { system, claims, relation, rings: Vec::new(), reached: Edge::FALSE, stop };
+        search.run(&mut explored, progress)
+    });
+    explored.limit = outcome.err();
+    explored
+}
+
+fn literal(property: Property) -> Option<Lit> {
+    match property {
+        Property::Never(l) | Property::AlwaysPossible(l) => Some(l),
+        Property::NeverStuck => None,
+    }
+}
+
+struct Search<'s, 'a> {
+    system: &'s System,
+    claims: &'s [Claim],
+    relation: Relation<'a>,
+    /// States first met after 0, 1, 2, … scans.
+    rings: Vec<Edge>,
+    reached: Edge,
+    stop: Stop<'a>,
+}
+
+impl Search<'_, '_> {
+    fn run(mut self, explored: &mut Explored, progress: &mut dyn FnMut(usize)) -> Result<(), Limit> {
+        let mut fresh = self.relation.initial;
+        self.reached = fresh;
+        while fresh != Edge::FALSE {
+            self.rings.push(fresh);
+            explored.scans = self.rings.len() - 1;
+            progress(explored.scans);
+            self.look(explored)?;
+            self.make_room();
+            let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+            let after = self.relation.image(fresh, &keep)?;
+            fresh = self.relation.bdd.and(after, !self.reached)?;
+            self.reached = self.relation.bdd.or(self.reached, fresh)?;
+        }
+        explored.states = Some(self.relation.bdd.count(self.reached, &self.relation.now));
+        for (i, claim) in self.claims.iter().enumerate() {
+            if explored.verdicts[i].is_some() {
+                continue;
+            }
+            explored.verdicts[i] = Some(Ok(()));
+            if matches!(claim.property, Property::AlwaysPossible(_)) {
+                explored.verdicts[i] = None;
+                let lost = self.lost(self.goal(i))?;
+                explored.verdicts[i] = Some(if lost == Edge::FALSE { Ok(()) } else { Err(self.lead(lost, None)?) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Frees what nobody needs when half of what is allowed is taken.
+    fn make_room(&mut self) {
+        let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+        self.relation.make_room(&keep);
+    }
+
+    /// The states in which a claim's literal is possible.
+    fn goal(&self, claim: usize) -> Edge {
+        let before = self.claims[..claim].iter().filter(|c| literal(c.property).is_some()).count();
+        self.relation.possible[before]
+    }
+
+    /// Looks at the newest ring.
+    fn look(&mut self, explored: &mut Explored) -> Result<(), Limit> {
+        let ring = *self.rings.last().expect("there is a ring");
+        for (i, claim) in self.claims.iter().enumerate() {
+            let (shown, bad) = match claim.property {
+                Property::Never(bad) => (self.goal(i), Some(bad)),
+                Property::NeverStuck => (!self.relation.alive, None),
+                Property::AlwaysPossible(_) => continue,
+            };
+            if explored.verdicts[i].is_none() {
+                let found = self.relation.bdd.and(ring, shown)?;
+                if found != Edge::FALSE {
+                    explored.verdicts[i] = Some(Err(self.lead(found, bad)?));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The reachable states from which `goal` cannot be reached.
+    fn lost(&mut self, goal: Edge) -> Result<Edge, Limit> {
+        let mut saved = self.relation.bdd.and(goal, self.reached)?;
+        let mut fresh = saved;
+        while fresh != Edge::FALSE {
+            let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached, saved]).collect();
+            self.relation.make_room(&[&keep[..], &[fresh]].concat());
+            let before = self.relation.preimage(fresh, &keep)?;
+            let before = self.relation.bdd.and(before, self.reached)?;
+            fresh = self.relation.bdd.and(before, !saved)?;
+            saved = self.relation.bdd.or(saved, fresh)?;
+        }
+        self.relation.bdd.and(self.reached, !saved)
+    }
+
+    /// A shortest run that leads to one of `states`, which are reachable, and shows `bad` there.
+    fn lead(&mut self, states: Edge, bad: Option<Lit>) -> Result<Trace, Limit> {
+        let mut ring = 0;
+        let mut here = self.relation.bdd.and(self.rings[0], states)?;
+        while here == Edge::FALSE {
+            ring += 1;
+            here = self.relation.bdd.and(self.rings[ring], states)?;
+        }
+        let mut path = vec![self.one_of(here)];
+        while ring > 0 {
+            ring -= 1;
+            let to = self.relation.only(path.last().expect("it has a state"))?;
+            let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+            let before = self.relation.preimage(to, &keep)?;
+            let before = self.relation.bdd.and(before, self.rings[ring])?;
+            path.push(self.one_of(before));
+        }
+        path.reverse();
+        // The diagrams know the states; which inputs lead from one to the next is a small question each.
+        let latches = self.relation.latches.clone();
+        let mut trace = Trace { initial: self.whole(&path[0]), inputs: Vec::new(), shortest: true };
+        for (i, state) in path.iter().enumerate() {
+            let mut solver = Solver::new(self.stop);
+            let aig = &self.system.aig;
+            for &c in &self.system.constraints {
+                solver.demand(aig, c);
+            }
+            for (&l, &value) in latches.iter().zip(state) {
+                solver.demand(aig, self.system.latches[l].leaf.xor(!value));
+            }
+            match path.get(i + 1) {
+                Some(after) => latches.iter().zip(after).for_each(|(&l, &value)| {
+                    solver.demand(aig, self.system.latches[l].next.xor(!value));
+                }),
+                None => match bad {
+                    Some(bad) => solver.demand(aig, bad),
+                    None => break,
+                },
+            }
+            match solver.solve(&[], &mut { u64::MAX }) {
+                Outcome::Sometimes => {}
+                Outcome::Never => unreachable!("one scan leads from each ring to the next"),
+                Outcome::GaveUp => return Err(Limit::Stopped),
+            }
+            trace.inputs.push(self.system.inputs.iter().map(|i| solver.value(i.leaf)).collect());
+        }
+        Ok(trace)
+    }
+
+    fn one_of(&self, states: Edge) -> Vec<bool> {
+        self.relation.state(&self.relation.bdd.pick(states))
+    }
+
+    /// A state of the latches that matter, with initial values for the others.
+    fn whole(&self, state: &[bool]) -> Vec<bool> {
+        let mut whole: Vec<bool> = self.system.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
+        self.relation.latches.iter().zip(state).for_each(|(&l, &value)| whole[l] = value);
+        whole
+    }
+}

@@ -1,0 +1,228 @@
+//! A machine as bits: memory, what comes in, and what is claimed about both.
+//!
+//! A run is a sequence of scans. The first scan begins with the latches at their initial values, where
+//! they have one; in each scan all inputs take any values under which the constraints hold, and the
+//! next scan begins with the latches' next values. This is the meaning of AIGER 1.9 (Biere, Heljanko,
+//! Wieringa, 2011), so a system can be written for other tools and come to the same verdicts.
+
+use super::aig::{Aig, Lit, Node, lanes};
+
+/// A transition system over the nodes of one graph.
+///
+/// All leaves of the graph that matter are leaves of latches or of inputs.
+#[derive(Clone, Debug, Default)]
+pub struct System {
+    /// The graph that all literals belong to.
+    pub aig: Aig,
+    /// What is remembered from scan to scan, in an order in which neighbours belong together.
+    pub latches: Vec<Latch>,
+    /// What comes in anew in each scan.
+    pub inputs: Vec<Input>,
+    /// What holds in each scan.
+    pub constraints: Vec<Lit>,
+    /// What is claimed, in order of declaration.
+    pub claims: Vec<Claim>,
+}
+
+/// One bit of memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Latch {
+    /// Its value when a scan begins: a leaf, not negated.
+    pub leaf: Lit,
+    /// Its value when the first scan begins; nothing if it can be either.
+    pub initial: Option<bool>,
+    /// Its value when the next scan begins.
+    pub next: Lit,
+}
+
+/// One bit that comes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Its value in a scan: a leaf, not negated.
+    pub leaf: Lit,
+    /// Who chooses it.
+    pub giver: Giver,
+}
+
+/// Who chooses the value of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Giver {
+    /// Persons and neighbouring machines.
+    Operator,
+    /// The machine's own parts.
+    Plant,
+    /// A program of which nothing is known.
+    Controller,
+    /// The course of time.
+    Clock,
+}
+
+/// Something that is said of all runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Claim {
+    /// How it is called in reports and other tools.
+    pub name: String,
+    /// What it says.
+    pub property: Property,
+}
+
+/// What a claim says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Property {
+    /// The literal is TRUE in no scan of any run.
+    Never(Lit),
+    /// Every run can be continued to a scan in which the literal is TRUE: AG EF of branching time logic.
+    AlwaysPossible(Lit),
+    /// Every run can be continued by one more scan.
+    NeverStuck,
+}
+
+/// A run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trace {
+    /// The latches when the first scan begins.
+    pub initial: Vec<bool>,
+    /// The inputs of each scan. A run that shows what cannot come any more may have no scan at all.
+    pub inputs: Vec<Vec<bool>>,
+    /// Whether no shorter run shows the same.
+    pub shortest: bool,
+}
+
+/// What a run does, scan by scan.
+pub struct Replay {
+    /// For each scan, the words of [`Aig::simulate`]; a value is in lane 0.
+    pub values: Vec<Vec<u64>>,
+    /// The latches when the last scan has ended.
+    pub last: Vec<bool>,
+}
+
+impl System {
+    /// A new latch; its next value is to be set later, and FALSE until then.
+    pub fn latch(&mut self, name: impl Into<String>, initial: Option<bool>) -> Lit {
+        let leaf = self.aig.leaf(name);
+        self.latches.push(Latch { leaf, initial, next: Lit::FALSE });
+        leaf
+    }
+
+    /// A new input.
+    pub fn input(&mut self, name: impl Into<String>, giver: Giver) -> Lit {
+        let leaf = self.aig.leaf(name);
+        self.inputs.push(Input { leaf, giver });
+        leaf
+    }
+
+    /// A new claim.
+    pub fn claim(&mut self, name: impl Into<String>, property: Property) {
+        self.claims.push(Claim { name: name.into(), property });
+    }
+
+    /// The name of a leaf.
+    pub fn name(&self, leaf: Lit) -> &str {
+        match self.aig.node(leaf.node()) {
+            Node::Leaf(number) => self.aig.name(number),
+            Node::False | Node::And(..) => unreachable!("latches and inputs are leaves"),
+        }
+    }
+
+    /// What a run does; nothing if it breaks a constraint or begins with a wrong value.
+    pub fn replay(&self, trace: &Trace) -> Option<Replay> {
+        let initial_fits =
+            self.latches.iter().zip(&trace.initial).all(|(l, &value)| l.initial.is_none_or(|i| i == value));
+        if !initial_fits || trace.initial.len() != self.latches.len() {
+            return None;
+        }
+        let mut replay = Replay { values: Vec::new(), last: trace.initial.clone() };
+        for inputs in &trace.inputs {
+            let values = self.evaluate(&replay.last, inputs);
+            if self.constraints.iter().any(|&c| lanes(&values, c) & 1 == 0) {
+                return None;
+            }
+            replay.last = self.latches.iter().map(|l| lanes(&values, l.next) & 1 == 1).collect();
+            replay.values.push(values);
+        }
+        Some(replay)
+    }
+
+    /// Whether the run is one and, for what never must be, its last scan shows it.
+    pub fn shows(&self, trace: &Trace, property: Property) -> bool {
+        self.replay(trace).is_some_and(|replay| match property {
+            Property::Never(bad) => replay.values.last().is_some_and(|values| lanes(values, bad) & 1 == 1),
+            Property::AlwaysPossible(_) | Property::NeverStuck => true,
+        })
+    }
+
+    /// Every node's value in a scan.
+    pub fn evaluate(&self, latches: &[bool], inputs: &[bool]) -> Vec<u64> {
+        let mut words = vec![0; self.aig.leaves().len()];
+        let mut set = |leaf: Lit, value: bool| {
+            if let Node::Leaf(number) = self.aig.node(leaf.node()) {
+                words[number as usize] = if value { u64::MAX } else { 0 };
+            }
+        };
+        self.latches.iter().zip(latches).for_each(|(l, &value)| set(l.leaf, value));
+        self.inputs.iter().zip(inputs).for_each(|(i, &value)| set(i.leaf, value));
+        let mut values = Vec::new();
+        self.aig.simulate(&words, &mut values);
+        values
+    }
+
+    /// The indices of those latches and inputs on which the literals depend, in this scan or through
+    /// latches in earlier ones.
+    pub fn cone(&self, roots: &[Lit]) -> (Vec<usize>, Vec<usize>) {
+        let mut in_cone = vec![false; self.aig.len()];
+        let mut latch_of = vec![usize::MAX; self.aig.len()];
+        self.latches.iter().enumerate().for_each(|(i, l)| latch_of[l.leaf.node()] = i);
+        let mut open: Vec<usize> = roots.iter().map(|l| l.node()).collect();
+        while let Some(n) = open.pop() {
+            if std::mem::replace(&mut in_cone[n], true) {
+                continue;
+            }
+            match self.aig.node(n) {
+                Node::And(a, b) => open.extend([a.node(), b.node()]),
+                Node::Leaf(_) if latch_of[n] != usize::MAX => open.push(self.latches[latch_of[n]].next.node()),
+                Node::Leaf(_) | Node::False => {}
+            }
+        }
+        let latches = (0..self.latches.len()).filter(|&i| in_cone[self.latches[i].leaf.node()]).collect();
+        let inputs = (0..self.inputs.len()).filter(|&i| in_cone[self.inputs[i].leaf.node()]).collect();
+        (latches, inputs)
+    }
+
+    /// The same run with as few changes of inputs as can be found by trying: each input keeps its value from
+    /// the scan before where the run still shows the same. A calm run is easier to read.
+    pub fn calm(&self, trace: &Trace, property: Property) -> Trace {
+        let mut calm = trace.clone();
+        let Property::Never(_) = property else { return calm };
+        // Whole inputs first, then shorter and shorter stretches.
+        let mut stretch = calm.inputs.len();
+        while stretch > 0 {
+            for input in 0..self.inputs.len() {
+                for start in (0..calm.inputs.len()).step_by(stretch) {
+                    let value = start > 0 && calm.inputs[start - 1][input];
+                    let end = (start + stretch).min(calm.inputs.len());
+                    if (start..end).all(|scan| calm.inputs[scan][input] == value) {
+                        continue;
+                    }
+                    let mut tried = calm.clone();
+                    (start..end).for_each(|scan| tried.inputs[scan][input] = value);
+                    if self.changes(&tried, input) < self.changes(&calm, input) && self.shows(&tried, property) {
+                        calm = tried;
+                    }
+                }
+            }
+            stretch /= 2;
+        }
+        calm
+    }
+
+    /// How often an input changes in a run; TRUE in the first scan is a change.
+    fn changes(&self, trace: &Trace, input: usize) -> usize {
+        let mut before = false;
+        let mut count = 0;
+        for scan in &trace.inputs {
+            count += usize::from(scan[input] != before);
+            before = scan[input];
+        }
+        count
+    }
+}

@@ -13,6 +13,7 @@ mod layout;
 mod licences;
 mod mutants;
 mod never_entered;
+mod observers;
 mod program_mutants;
 mod prove;
 mod random_models;

@@ -193,6 +193,10 @@ codes! {
     NoChart "E313" "a machine has no chart",
     IdleInternal "E330" "an internal transition does nothing",
 
+    ObserverReads "E350" "an observer reads what the charts decide",
+    ObserverActs "E351" "an observer does more than to observe",
+    NotFlat "E352" "an observer with a part after the filter is more than one region of elementary states",
+
     NoOutputInConstraint "E401" "a safety constraint names no output of this scan",
     NobodyYields "E402" "a combined constraint does not say who yields",
     CannotYield "E403" "an output is named to yield that cannot relieve the constraint",

@@ -1,6 +1,6 @@
 //! Transitions that can never fire, as far as constant guards decide it.
 
-use crate::ir::chart::{Machine, TransitionId};
+use crate::ir::chart::{Machine, Phase, TransitionId};
 use crate::ir::expr::Expr;
 
 /// Why a transition can never fire.
@@ -14,10 +14,12 @@ pub enum Dead {
 
 /// For each transition, why it can never fire, if it cannot.
 pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
-    // For each state, the transitions that always fire when it is active, with their rank.
+    // For each state, the transitions that always fire when it is active and they are tried, with their
+    // rank.
     let mut always = vec![Vec::new(); machine.states.len()];
     let mut rank = vec![0; machine.transitions.len()];
-    for list in &machine.scoped() {
+    let (start, end) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
+    for list in start.iter().chain(&end) {
         for (i, &id) in list.iter().enumerate() {
             rank[id.index()] = i;
             if machine.transitions[id].guard == Expr::TRUE {
@@ -38,7 +40,7 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
         // One that leaves nothing beats those of its own scope only.
         let beats = |o: TransitionId| {
             let other = &machine.transitions[o];
-            key(o) < key(id) && (!other.internal || other.scope == t.scope)
+            other.phase == t.phase && key(o) < key(id) && (!other.internal || other.scope == t.scope)
         };
         rivals.find(|&o| beats(o)).map(Dead::Beaten)
     };

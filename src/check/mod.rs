@@ -4,6 +4,7 @@
 //!
 //! - [`lower`](crate::lower) cannot fail;
 //! - every state can be entered, so every step of every SFC is reached from its initial step;
+//! - observers know nothing of control charts;
 //! - no variable is written by two regions in one scan, no actuator driven both ways;
 //! - it says how many sweeps reliefs in order take, and after these no constraint is violated;
 //! - the corrected filter algorithm leaves no constraint violated (properties 0, 1, 3, 4 and the
@@ -15,6 +16,7 @@ mod dead;
 mod done;
 mod entered;
 mod fires;
+mod observers;
 mod opposed_drives;
 mod order;
 mod priorities;
@@ -34,6 +36,7 @@ pub fn check(machine: &mut Machine) -> Diagnostics {
     done::check(machine, &mut found);
     priorities::check(machine, &mut found);
     fires::check(machine, &mut found);
+    observers::check(machine, &mut found);
     writes::check(machine, &mut found);
     opposed_drives::check(machine, &mut found);
     assumed::check(machine, &mut found);

@@ -8,7 +8,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut first = BTreeMap::new();
     for (id, t) in machine.transitions.iter() {
         let Some(priority) = t.priority else { continue };
-        if let Some(&other) = first.get(&(t.source, t.scope, priority)) {
+        if let Some(&other) = first.get(&(t.source, t.scope, t.phase, priority)) {
             let other: crate::ir::chart::TransitionId = other;
             found.push(
                 Diagnostic::new(
@@ -20,7 +20,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .help("give them different priorities; the lower one is tried first"),
             );
         } else {
-            first.insert((t.source, t.scope, priority), id);
+            first.insert((t.source, t.scope, t.phase, priority), id);
         }
     }
 }

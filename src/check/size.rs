@@ -1,7 +1,7 @@
 //! A region fits into one SFC.
 
 use crate::base::{Code, Diagnostic, Diagnostics, limits};
-use crate::ir::chart::Machine;
+use crate::ir::chart::{Machine, Phase};
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     for (id, region) in machine.regions.iter() {
@@ -21,7 +21,8 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             );
         }
     }
-    for ((id, region), list) in machine.regions.iter().zip(machine.scoped()) {
+    let (start, end) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
+    for ((id, region), list) in machine.regions.iter().zip(start).chain(machine.regions.iter().zip(end)) {
         if list.len() > limits::REGION_TRANSITIONS {
             let path = machine.region_path(id);
             found.push(

@@ -2,14 +2,15 @@
 //! assumptions allow.
 //!
 //! Everything that constraints read is a bit of its own, a value and the one of the scan before
-//! included. So an answer that something cannot be holds for every plant and every program.
+//! included. So an answer that something cannot be holds for every plant and every program. Of states, which
+//! are those of observers, only so much is known that in each active region one is active.
 
 use super::words;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::sat::{Answer, Budget, Model, Sat};
 use crate::ir::chart::{Atom, Machine, OutputId};
 use crate::ir::sop::Product;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What is asked about, bit by bit, and who answers.
 pub struct Questions<'m> {
@@ -80,10 +81,34 @@ impl<'m> Questions<'m> {
             leaves: Vec::new(),
             allowed: Lit::TRUE,
         };
-        let assumed: Vec<Lit> =
+        let mut assumed: Vec<Lit> =
             machine.safety.assumptions.iter().flat_map(|a| &a.products).map(|p| !questions.condition(p)).collect();
+        assumed.extend(questions.configurations());
         questions.allowed = questions.aig.all(&assumed);
         questions
+    }
+
+    /// Of each region with a state that is read, and of those around it, that one state is active if the
+    /// region is, else none.
+    fn configurations(&mut self) -> Vec<Lit> {
+        let machine = self.machine;
+        let safety = &machine.safety;
+        let products = safety.constraints.values().flat_map(|c| &c.products);
+        let products = products.chain(safety.assumptions.iter().flat_map(|a| &a.products));
+        let mut regions = BTreeSet::new();
+        for literal in products.flat_map(|p| p.literals()) {
+            if let Atom::In(state) = literal.atom {
+                regions.extend(machine.ancestors(state).map(|s| machine.states[s].region));
+            }
+        }
+        let mut hold = Vec::new();
+        for region in regions.into_iter().map(|r| &machine.regions[r]) {
+            let states: Vec<Lit> = region.states.iter().map(|&s| self.reading(Atom::In(s))).collect();
+            let active = region.parent.map_or(Lit::TRUE, |p| self.reading(Atom::In(p)));
+            let (some, two) = (self.aig.any(&states), self.aig.two_or_more(&states));
+            hold.extend([self.aig.equal(some, active), !two]);
+        }
+        hold
     }
 
     /// Whether nothing is assumed.

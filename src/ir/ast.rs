@@ -55,6 +55,8 @@ pub struct Machine {
     pub variables: Vec<Variable>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
+    /// All `observer …` in order.
+    pub observers: Vec<Observer>,
     /// All `chart …` in order.
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
@@ -200,6 +202,19 @@ pub struct Chart {
     pub description: Option<Text>,
     /// What stands between its braces.
     pub body: Body,
+}
+
+/// `observer NAME "…" { … after filter { … } }`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Observer {
+    /// The observer's name.
+    pub name: Name,
+    /// What it is.
+    pub description: Option<Text>,
+    /// What stands between its braces.
+    pub body: Body,
+    /// What stands between the braces of each `after filter`: transitions.
+    pub after_filter: Vec<Body>,
 }
 
 /// What stands between the braces of a chart, state or region, sorted by kind. Order across kinds

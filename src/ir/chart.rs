@@ -7,31 +7,40 @@
 //! 1. Inputs are sampled. [`Atom::PrevInput`] is the input's value of the scan before; in the first
 //!    scan it is the input itself, so what has no past has no edge. [`Atom::PrevOutput`] is what the
 //!    filter let through in the scan before, FALSE in the first scan.
-//! 2. Each chart takes one step. Regions are visited from the outside in. A transition belongs to
+//! 2. Each [`ChartKind::Observer`] takes one step, as 3 to 5 say. Its guards read of states
+//!    and variables only what observers decide, from before the step. All that follows sees what has
+//!    come of it.
+//! 3. Each [`ChartKind::Control`] chart takes one step. Regions are visited from the outside in. A transition belongs to
 //!    its *scope*, the innermost region that contains source and target. In an active region, of the
 //!    enabled transitions of this scope the one with the outermost source fires, then the one that
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
-//!    active state takes a step. Guards read states and variables from before the step.
-//! 3. Firing leaves the scope's active state with all that is inside, then enters the target: on
+//!    active state takes a step. Guards read states and variables from before the step. Only
+//!    transitions of [`Phase::Start`] take part.
+//! 4. Firing leaves the scope's active state with all that is inside, then enters the target: on
 //!    the way down to it every parallel sibling, and below it every region, enters its initial
 //!    state. Source and target may lie in the same state of the scope: it is left and entered again.
 //!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
 //!    enters nothing, and what is inside its source takes its step as if nothing had fired.
-//! 4. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
+//! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
 //!    wins; [`check`](crate::check) sees to it that there is a last one.
-//! 5. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
-//!    Their conditions read states as they are now and variables as 4 left them.
-//! 6. The command of an output is the OR of the [`Drive`]s of the states that are active now;
+//! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
+//!    Their conditions read states as they are now and variables as 5 left them.
+//! 7. The command of an output is the OR of the [`Drive`]s of the states that are active now;
 //!    conditions read states and variables as they are now.
-//! 7. The filter turns commands into outputs ([`super::relief`] says how); [`Atom::Output`] is what it
+//! 8. The filter turns commands into outputs ([`super::relief`] says how); [`Atom::Output`] is what it
 //!    decides. A constraint *acts* when the commands violate it, or what other constraints make of them
 //!    does. With [`FilterMode::Blocking`] it acts when the commands violate it, and from the scan in which
 //!    one does until [`Safety::reset`] rises, that scan excluded, the filter takes all commands as FALSE.
 //!    Both can happen in one scan: then the machine stays stopped.
+//! 9. Observers' transitions of [`Phase::End`] are tried, in each region as in 3. Their guards read
+//!    what the filter has decided, and states and variables from before this; their deeds come last.
 //!
-//! The first scan enters the initial states, their entries included, and takes no transition.
+//! The first scan enters the initial states, their entries included, instead of 2 and 3: no transition of
+//! [`Phase::Start`] fires. Those of [`Phase::End`] may: outputs that the first scan writes are as real as any.
+//!
+//! States of observers do nothing: they have no drives, actions, entries and exits.
 
 use super::expr::Expr;
 use super::scenario::{Plant, Scenario};
@@ -74,7 +83,8 @@ pub struct Machine {
     pub variables: Arena<Variable>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
-    /// The charts, in order of declaration. They run side by side.
+    /// The observers and then the control charts, each in order of declaration. Those of one kind run side
+    /// by side.
     pub charts: Vec<Chart>,
     /// The regions of all charts; a parent comes before what it contains.
     pub regions: Arena<Region>,
@@ -168,7 +178,7 @@ pub enum Atom {
     Input(InputId),
     /// The input in the scan before.
     PrevInput(InputId),
-    /// What the filter lets through in this scan; in constraints only.
+    /// What the filter lets through in this scan; in constraints and guards of [`Phase::End`] only.
     Output(OutputId),
     /// What the filter let through in the scan before.
     PrevOutput(OutputId),
@@ -183,11 +193,32 @@ pub enum Atom {
     After(StateId, u32),
 }
 
+/// What a chart is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChartKind {
+    /// It rebuilds what no sensor tells. It drives nothing, and knows nothing of control charts.
+    Observer,
+    /// It controls the machine.
+    Control,
+}
+
+/// When in a scan a transition is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Phase {
+    /// When its chart takes its step.
+    Start,
+    /// When the filter has decided the outputs. Its source and target are elementary states of an
+    /// observer's only region, and no guard of such an observer waits for a time.
+    End,
+}
+
 /// A chart: a hierarchy of states that runs from the first scan on.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// Its name.
     pub name: String,
+    /// What it is for.
+    pub kind: ChartKind,
     /// What it is.
     pub description: String,
     /// Its outermost regions; more than one makes it parallel.
@@ -325,6 +356,8 @@ pub struct Transition {
     pub internal: bool,
     /// The innermost region that contains both.
     pub scope: RegionId,
+    /// When it is tried.
+    pub phase: Phase,
     /// Read from before the step.
     pub guard: Guard,
     /// What happens when it fires.
@@ -512,11 +545,21 @@ impl Machine {
         }
     }
 
-    /// For each region, the transitions whose scope it is, in the order in which they are tried:
-    /// outermost source first, then explicit priority, then as written.
-    pub fn scoped(&self) -> Vec<Vec<TransitionId>> {
+    /// Whether the region is one of a control chart or of an observer.
+    pub fn kind(&self, region: RegionId) -> ChartKind {
+        self.charts[self.regions[region].chart].kind
+    }
+
+    /// Whether the state is one of an observer.
+    pub fn observes(&self, state: StateId) -> bool {
+        self.kind(self.states[state].region) == ChartKind::Observer
+    }
+
+    /// For each region, the transitions of that phase whose scope it is, in the order in which they are
+    /// tried: outermost source first, then explicit priority, then as written.
+    pub fn scoped(&self, phase: Phase) -> Vec<Vec<TransitionId>> {
         let mut by_region = vec![Vec::new(); self.regions.len()];
-        for (id, t) in self.transitions.iter() {
+        for (id, t) in self.transitions.iter().filter(|(_, t)| t.phase == phase) {
             by_region[t.scope.index()].push(id);
         }
         for list in &mut by_region {

@@ -9,14 +9,15 @@ use std::fmt::{self, Write};
 
 /// Writes the machine as an outline.
 pub fn outline(machine: &Machine) -> String {
-    let mut w = Writer { machine, scoped: machine.scoped(), out: String::new() };
+    let mut w = Writer { machine, scoped: [Phase::Start, Phase::End].map(|p| machine.scoped(p)), out: String::new() };
     w.whole().expect("writing to a string succeeds");
     w.out
 }
 
 struct Writer<'m> {
     machine: &'m Machine,
-    scoped: Vec<Vec<TransitionId>>,
+    /// By phase and region.
+    scoped: [Vec<Vec<TransitionId>>; 2],
     out: String,
 }
 
@@ -46,7 +47,11 @@ impl Writer<'_> {
             writeln!(self.out, "actuator {} {:?}: {}", a.name, a.technology, positions.join(", "))?;
         }
         for chart in &m.charts {
-            writeln!(self.out, "chart {}", chart.name)?;
+            let kind = match chart.kind {
+                ChartKind::Observer => "observer",
+                ChartKind::Control => "chart",
+            };
+            writeln!(self.out, "{kind} {}", chart.name)?;
             for &r in &chart.regions {
                 self.region(r, 1)?;
             }
@@ -202,14 +207,17 @@ impl Writer<'_> {
                 self.region(r, depth + 1)?;
             }
         }
-        for (rank, &t) in self.scoped[id.index()].iter().enumerate() {
+        let [start, end] = &self.scoped;
+        let ranked = |list: &[TransitionId]| list.iter().copied().enumerate().collect::<Vec<_>>();
+        for (rank, t) in ranked(&start[id.index()]).into_iter().chain(ranked(&end[id.index()])) {
             let t = &m.transitions[t];
+            let phase = if t.phase == Phase::End { "after filter " } else { "" };
             let then = if t.deeds.is_empty() { String::new() } else { format!(" then {}", self.deeds(&t.deeds)) };
             let source = m.state_path(t.source);
             let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.state_path(t.target)) };
             writeln!(
                 self.out,
-                "{:1$}{2}. {source} {leads} when {3}{then}",
+                "{:1$}{phase}{2}. {source} {leads} when {3}{then}",
                 "",
                 depth * 2,
                 rank + 1,

@@ -60,6 +60,13 @@ impl Writer {
             })?;
         }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
+        for observer in &m.observers {
+            let head = format!("observer {}{}", observer.name.text, text(&observer.description));
+            self.block(format_args!("{head}"), |w| {
+                w.body(&observer.body)?;
+                observer.after_filter.iter().try_for_each(|b| w.block(format_args!("after filter"), |w| w.body(b)))
+            })?;
+        }
         for chart in &m.charts {
             let head = format!(
                 "chart {}{}{}",

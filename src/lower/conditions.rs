@@ -5,9 +5,9 @@
 
 use super::context::{Condition, Conditions, Context, origin};
 use super::rungs::{self, rung};
-use crate::ir::chart::{RegionId, StateId, TransitionId};
+use crate::ir::chart::{OutputId, RegionId, StateId, TransitionId};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Ladder, Rung, Timer};
+use crate::ir::ladder::{CoilKind, Rung, Timer};
 use crate::ir::plc::{GlobalId, Role};
 
 /// From this many transitions out of one step on, their order is a chain of coils: pairwise
@@ -26,6 +26,24 @@ impl Context<'_> {
         let name = self.names.give("Was", &name);
         let id = self.global(name, Role::Condition, text, origin);
         self.conditions.previous.insert(input, id);
+        id
+    }
+
+    /// The value of an output in the scan before, for what runs after the filter has written the next one.
+    pub fn decided(&mut self, output: OutputId) -> GlobalId {
+        if let Some(&id) = self.conditions.decided.get(&output) {
+            return id;
+        }
+        let now = self.outputs[output.index()];
+        let signal = &self.globals[now];
+        let (name, text, origin) =
+            (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin.clone());
+        let name = self.names.give("Was", &name);
+        let id = self.global(name, Role::Condition, text.clone(), origin);
+        self.conditions.decided.insert(output, id);
+        let mut rungs = std::mem::take(&mut self.conditions.latches);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::Atom(now), text);
+        self.conditions.latches = rungs;
         id
     }
 
@@ -101,7 +119,7 @@ impl Context<'_> {
         let t = &self.machine.transitions[transition];
         let source = Expr::Atom(self.flags[t.source.index()]);
         // The source's own flag says all that its latched form would.
-        let own = Some(self.machine.states[t.source].region);
+        let own = self.machine.states[t.source].region;
         let guard = self.guard(&t.guard, own);
         let mut rungs = std::mem::take(&mut self.conditions.enabling);
         rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::all([source, guard]), text);
@@ -270,17 +288,14 @@ impl Context<'_> {
     }
 }
 
-/// The program of all that has been asked for.
-pub fn finish(context: &mut Context<'_>) -> Ladder {
-    let mut rungs = Vec::new();
-    previous_values(context, &mut rungs);
+/// The rungs of all that has been asked for since the last time, but for inputs' past: observers ask
+/// before they step, charts between that and their own step.
+pub fn finish(context: &mut Context<'_>) -> Vec<Rung> {
     let restarts = restarts(context);
+    let previous = std::mem::take(&mut context.conditions.previous);
     let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
-        std::mem::take(&mut context.conditions);
-    for group in [latches, timing, enabling, ranking, firing, entering, restarts] {
-        rungs.extend(group);
-    }
-    Ladder { rungs }
+        std::mem::replace(&mut context.conditions, Conditions { previous, ..Conditions::default() });
+    [latches, timing, enabling, ranking, firing, entering, restarts].into_iter().flatten().collect()
 }
 
 /// A state that is left and entered again in one scan keeps its flag, so its timers would run on.
@@ -302,10 +317,11 @@ fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
 
 /// Two coils per input whose past is read: what it was, and what it is for the next scan. In the
 /// first scan, when nothing has started yet, it was what it is.
-fn previous_values(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+pub fn previous_values(context: &mut Context<'_>) -> Vec<Rung> {
+    let mut rungs = Vec::new();
     let previous = context.conditions.previous.clone();
     if previous.is_empty() {
-        return;
+        return rungs;
     }
     let name = context.names.fixed("Started");
     let started = context.global(name, Role::Condition, "the first scan is over".into(), rungs::own());
@@ -320,8 +336,9 @@ fn previous_values(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
             Expr::all([Expr::Atom(started).not(), Expr::Atom(signal)]),
         ]);
         let comment = context.globals[was].description.clone();
-        rung(context, rungs, (was, CoilKind::Plain), &then, comment);
-        rung(context, rungs, (now, CoilKind::Plain), &Expr::Atom(signal), text);
+        rung(context, &mut rungs, (was, CoilKind::Plain), &then, comment);
+        rung(context, &mut rungs, (now, CoilKind::Plain), &Expr::Atom(signal), text);
     }
-    rung(context, rungs, (started, CoilKind::Plain), &Expr::TRUE, "the first scan is over".into());
+    rung(context, &mut rungs, (started, CoilKind::Plain), &Expr::TRUE, "the first scan is over".into());
+    rungs
 }

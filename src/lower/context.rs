@@ -3,7 +3,7 @@
 use super::entries::Entries;
 use super::names::Names;
 use crate::base::{Arena, Span};
-use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
 use crate::ir::plc::{Global, GlobalId, Origin, Role};
@@ -26,6 +26,8 @@ pub struct Context<'m> {
     pub commands: Vec<GlobalId>,
     /// For each region, the transitions whose scope it is, in the order in which they are tried.
     pub scoped: Vec<Vec<TransitionId>>,
+    /// For each region, those that are tried after the filter; nothing for most.
+    pub ending: Vec<Vec<TransitionId>>,
     pub entries: Entries,
     pub conditions: Conditions,
 }
@@ -35,6 +37,7 @@ pub struct Context<'m> {
 #[derive(Default)]
 pub struct Conditions {
     pub previous: BTreeMap<usize, GlobalId>,
+    pub decided: BTreeMap<OutputId, GlobalId>,
     pub active: BTreeMap<StateId, GlobalId>,
     pub done: BTreeMap<StateId, GlobalId>,
     /// For each state and time, the condition and the timer's name.
@@ -56,7 +59,7 @@ pub struct Conditions {
 impl<'m> Context<'m> {
     /// Globals for signals, variables and states; those with an address first.
     pub fn new(machine: &'m Machine) -> Self {
-        let scoped = machine.scoped();
+        let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
         let mut context = Context {
             machine,
             names: Names::new(machine),
@@ -68,6 +71,7 @@ impl<'m> Context<'m> {
             commands: Vec::new(),
             entries: Entries::of(machine),
             scoped,
+            ending,
             conditions: Conditions::default(),
         };
         context.signals();
@@ -125,13 +129,17 @@ impl<'m> Context<'m> {
         self.globals.push(Global { name, address: None, initial: false, role, description, origin })
     }
 
-    /// A guard as a program reads it that runs before the chart's step or takes part in it. Flags of
-    /// `own` region's steps are read directly: its SFC writes them after it has tried its
-    /// transitions. Those of others are latched.
-    pub fn guard(&mut self, guard: &Guard, own: Option<RegionId>) -> Condition {
+    /// A guard as a program reads it that runs before the step of `own`'s kind of charts or takes part in
+    /// it. Flags of `own` region's steps are read directly: its SFC writes them after it has tried its
+    /// transitions. So are those of observers by charts, which come later. Others are latched.
+    pub fn guard(&mut self, guard: &Guard, own: RegionId) -> Condition {
+        let settled = |m: &Machine, s: StateId| m.observes(s) && m.kind(own) == ChartKind::Control;
         guard.map(&mut |atom| match *atom {
-            Atom::In(s) if own == Some(self.machine.states[s].region) => Expr::Atom(self.flags[s.index()]),
+            Atom::In(s) if own == self.machine.states[s].region || settled(self.machine, s) => {
+                Expr::Atom(self.flags[s.index()])
+            }
             Atom::In(s) => Expr::Atom(self.active(s)),
+            Atom::Done(s) if settled(self.machine, s) => self.done_by_flags(s),
             Atom::Done(s) => Expr::Atom(self.done(s)),
             Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
             other => self.value(other),
@@ -147,7 +155,18 @@ impl<'m> Context<'m> {
         })
     }
 
-    /// What every program reads alike. Outputs are written by the last rungs of the last program, so
+    /// A condition as a program reads it that runs after the filter.
+    pub fn after_filter(&mut self, condition: &Guard) -> Condition {
+        condition.map(&mut |atom| match *atom {
+            Atom::In(s) => Expr::Atom(self.flags[s.index()]),
+            Atom::Done(s) => self.done_by_flags(s),
+            Atom::Output(o) => Expr::Atom(self.outputs[o.index()]),
+            Atom::PrevOutput(o) => Expr::Atom(self.decided(o)),
+            other => self.value(other),
+        })
+    }
+
+    /// What every program but the last one reads alike. Outputs are written by the last rungs of the last program, so
     /// until then they hold the value of the scan before.
     pub fn value(&mut self, atom: Atom) -> Condition {
         Expr::Atom(match atom {

@@ -248,13 +248,15 @@ impl Filter {
         flags
     }
 
-    /// A product over selections, inputs, previous values and variables.
+    /// A product over selections, inputs, previous values, variables and observers.
     fn product(&self, context: &mut Context<'_>, product: &Product<Atom>) -> Condition {
         Expr::all(product.literals().iter().map(|l| {
             let value = match l.atom {
                 Atom::Output(o) => {
                     Expr::Atom(self.selected[o.index()].expect("outputs of a product are selected first"))
                 }
+                // Of an observer, which has taken its step.
+                Atom::In(s) => Expr::Atom(context.flags[s.index()]),
                 other => context.value(other),
             };
             if l.negated { value.not() } else { value }

@@ -8,62 +8,88 @@
 //!
 //! | program | pass | does |
 //! | --- | --- | --- |
+//! | `Observing` | [`conditions`] | takes down the past; latches what observers read of each other |
+//! | one per region of an observer | [`regions`], [`observers`] | the observers |
+//! | `Observed` | [`variables`] | what their transitions set and reset |
 //! | `Conditions` | [`conditions`] | latches what guards read from other programs; decides early what several programs need to know |
-//! | one per region, parents first | [`regions`] | the chart |
+//! | one per region of a chart, parents first | [`regions`] | the charts |
 //! | `Variables` | [`variables`] | what transitions and active states set and reset |
 //! | `Outputs` | [`outputs`] | one rung per output: its command |
 //! | `Filter` | [`filter`] | one rung per constraint, the forcings, the rounds of relief, the output coils |
+//! | `AfterFilter` | [`observers`] | the part of observers that reads what the filter has decided |
 //!
 //! Everything before `Outputs` reads the flags of steps, the variables and the outputs as the scan
-//! before left them, except that a region's SFC reads its parent's new flag.
+//! before left them, except that a region's SFC reads its parent's new flag, and that charts read what
+//! observers have just made of theirs. What is empty is left out, and without observers `Conditions`
+//! takes down the past.
 
 mod conditions;
 mod context;
 mod entries;
 mod filter;
 mod names;
+mod observers;
 mod outputs;
 mod regions;
 mod rungs;
 mod variables;
 
-use crate::ir::chart::Machine;
+use crate::ir::chart::{ChartKind, Machine};
+use crate::ir::ladder::{Ladder, Rung};
 use crate::ir::plc::{Body, Origin, Program, Project, Task};
 use context::Context;
 
 /// Lowers a machine that has been checked.
 pub fn lower(machine: &Machine) -> Project {
     let mut context = Context::new(machine);
-    // The passes that follow ask for conditions; so they come first and `Conditions` last, though
-    // it runs first.
-    let regions = regions::lower(&mut context);
-    let variables = variables::lower(&mut context);
+    // The passes that follow ask for conditions; so those come first and conditions last, though these
+    // run first.
+    let observers = regions::lower(&mut context, ChartKind::Observer);
+    let observed = variables::lower(&mut context, ChartKind::Observer);
+    let afterwards = observers::after_filter(&mut context);
+    let before_observers = conditions::finish(&mut context);
+    let charts = regions::lower(&mut context, ChartKind::Control);
+    let variables = variables::lower(&mut context, ChartKind::Control);
     let outputs = outputs::lower(&mut context);
     let filter = filter::lower(&mut context);
-    let conditions = conditions::finish(&mut context);
+    let before_charts = conditions::finish(&mut context);
+    let mut past = conditions::previous_values(&mut context);
+    let before_charts = if observers.is_empty() {
+        past.extend(before_charts);
+        std::mem::take(&mut past)
+    } else {
+        past.extend(before_observers);
+        before_charts
+    };
 
     let mut programs = Vec::new();
-    let mut ladder = |context: &mut Context<'_>, name: &str, description: &str, rungs| {
+    let mut ladder = |programs: &mut Vec<Program>, name: &str, description: &str, rungs: Vec<Rung>| {
+        if rungs.is_empty() {
+            return;
+        }
         programs.push(Program {
             name: context.names.fixed(name),
             instance: context.names.fixed(&format!("I_{name}")),
             description: description.into(),
-            body: Body::Ladder(rungs),
+            body: Body::Ladder(Ladder { rungs }),
             origin: Origin::default(),
         });
     };
-    if !conditions.rungs.is_empty() {
-        ladder(&mut context, "Conditions", "What guards read, as it was when the scan began", conditions);
-    }
-    let before = if variables.rungs.is_empty() { 0 } else { 1 };
-    if before == 1 {
-        ladder(&mut context, "Variables", "What transitions and active states set and reset", variables);
-    }
-    ladder(&mut context, "Outputs", "What the chart wants of each output", outputs);
-    ladder(&mut context, "Filter", "What must never happen does not: the only program that writes outputs", filter);
-    let tail = programs.split_off(programs.len() - 2 - before);
-    programs.extend(regions);
-    programs.extend(tail);
+    let p = &mut programs;
+    ladder(p, "Observing", "What observers read, as it was when the scan began", past);
+    p.extend(observers);
+    ladder(p, "Observed", "What transitions of observers set and reset", observed.rungs);
+    ladder(p, "Conditions", "What guards read, as it was when the scan began", before_charts);
+    p.extend(charts);
+    ladder(p, "Variables", "What transitions and active states set and reset", variables.rungs);
+    ladder(p, "Outputs", "What the chart wants of each output", outputs.rungs);
+    ladder(p, "Filter", "What must never happen does not: the only program that writes outputs", filter.rungs);
+    ladder(
+        p,
+        "AfterFilter",
+        "What observers take in of the outputs as the filter has let them through",
+        afterwards.rungs,
+    );
 
     let task = Task {
         name: context.names.fixed("Cycle"),

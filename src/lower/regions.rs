@@ -1,29 +1,39 @@
-//! Regions to SFC programs: a step per state, an idle step, and transitions that exclude each other.
+//! Regions to SFC programs (those of observers that also move after the filter excepted): a step per state, an idle step, and transitions that exclude each other.
 
 use super::context::{Condition, Context, origin};
+use super::observers;
 use crate::base::Arena;
-use crate::ir::chart::{RegionId, StateId};
+use crate::ir::chart::{ChartKind, RegionId, StateId};
 use crate::ir::expr::Expr;
 use crate::ir::plc::{Body, Origin, Program};
 use crate::ir::sfc::{Sfc, Step, StepId, Transition};
 
-/// One program per region, parents before children.
-pub fn lower(context: &mut Context<'_>) -> Vec<Program> {
-    context.machine.regions.ids().map(|r| program(context, r)).collect()
+/// One program per region of charts of that kind, parents before children.
+pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Vec<Program> {
+    let machine = context.machine;
+    machine.regions.ids().filter(|&r| machine.kind(r) == kind).map(|r| program(context, r)).collect()
 }
 
 fn program(context: &mut Context<'_>, id: RegionId) -> Program {
     let region = &context.machine.regions[id];
     let path = context.machine.region_path(id);
     let (kind, described) = match (region.parent, &region.name) {
-        (None, None) => ("chart", &context.machine.charts[region.chart].description),
+        (None, None) => {
+            let chart = &context.machine.charts[region.chart];
+            (if chart.kind == ChartKind::Observer { "observer" } else { "chart" }, &chart.description)
+        }
         (Some(parent), None) => ("state", &context.machine.states[parent].description),
         (_, Some(_)) => ("region", &region.description),
     };
     let description = if described.is_empty() { format!("{kind} {path}") } else { described.clone() };
     let name = context.names.region("Prg", id);
     let instance = context.names.region("I", id);
-    let body = Body::Sfc(sfc(context, id));
+    // An SFC takes one step in a scan; what takes two is a ladder.
+    let body = if context.ending[id.index()].is_empty() {
+        Body::Sfc(sfc(context, id))
+    } else {
+        Body::Ladder(observers::step(context, id))
+    };
     Program { name, instance, description, body, origin: origin(format!("{kind} {path}"), region.span) }
 }
 
@@ -116,7 +126,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             let condition = if needs_coil || context.entries.tells(t) || !transition.deeds.is_empty() {
                 Expr::Atom(context.enabled(t))
             } else {
-                context.guard(&transition.guard, Some(id))
+                context.guard(&transition.guard, id)
             };
             out.unless(condition, step_of(target), from);
         }

@@ -6,15 +6,16 @@
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
-use crate::ir::chart::{Atom, StateId};
+use crate::ir::chart::{Atom, ChartKind, Phase, StateId, TransitionId};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::{CoilKind, Ladder};
-use crate::ir::plc::Role;
+use crate::ir::ladder::{CoilKind, Ladder, Rung};
+use crate::ir::plc::{GlobalId, Role};
 
-pub fn lower(context: &mut Context<'_>) -> Ladder {
+/// What the step of charts of that kind does.
+pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
     let machine = context.machine;
     let count = machine.variables.len();
-    let happened = happened(context);
+    let happened = happened(context, kind);
     let mut actions: Vec<[Vec<Condition>; 2]> = vec![Default::default(); count];
     let mut reads_written = false;
     let written: Vec<bool> = {
@@ -22,7 +23,7 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         machine.states.values().flat_map(|s| &s.actions).for_each(|a| written[a.variable.index()] = true);
         written
     };
-    for (id, state) in machine.states.iter() {
+    for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         for action in &state.actions {
             action.condition.for_each_atom(&mut |a| {
                 if let Atom::Variable(v) = a {
@@ -35,16 +36,7 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         }
     }
 
-    let mut rungs = Vec::new();
-    let word = |value: bool| if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) };
-    for ((id, v), list) in machine.variables.iter().zip(happened) {
-        for run in list.chunk_by(|a, b| (a.step.who(), a.value) == (b.step.who(), b.value)) {
-            let (verb, kind) = word(run[0].value);
-            let coil = (context.variables[id.index()], kind);
-            let by = Expr::any(run.iter().map(|write| write.condition.clone()));
-            rung(context, &mut rungs, coil, &by, format!("{} {verb} {}", run[0].step.who(), v.name));
-        }
-    }
+    let mut rungs = once(context, happened);
     if reads_written {
         for (id, v) in machine.variables.iter() {
             for value in [true, false] {
@@ -71,6 +63,38 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
         }
     }
     Ladder { rungs }
+}
+
+/// What transitions write, each with the coil that says that it fires.
+pub fn effects(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
+    let machine = context.machine;
+    let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
+    for &(t, fires) in firing {
+        for effect in &machine.transitions[t].deeds.effects {
+            let condition = Expr::Atom(fires);
+            writes[effect.variable.index()].push(Write { step: Step::Fired, value: effect.value, condition });
+        }
+    }
+    writes.iter_mut().for_each(|list| list.sort_by_key(|write| !write.value));
+    once(context, writes)
+}
+
+/// The rungs of what writes variables once.
+fn once(context: &mut Context<'_>, writes: Vec<Vec<Write>>) -> Vec<Rung> {
+    let mut rungs = Vec::new();
+    for ((id, v), list) in context.machine.variables.iter().zip(writes) {
+        for run in list.chunk_by(|a, b| (a.step.who(), a.value) == (b.step.who(), b.value)) {
+            let (verb, kind) = word(run[0].value);
+            let coil = (context.variables[id.index()], kind);
+            let by = Expr::any(run.iter().map(|write| write.condition.clone()));
+            rung(context, &mut rungs, coil, &by, format!("{} {verb} {}", run[0].step.who(), v.name));
+        }
+    }
+    rungs
+}
+
+fn word(value: bool) -> (&'static str, CoilKind) {
+    if value { ("set", CoilKind::Set) } else { ("reset", CoilKind::Reset) }
 }
 
 /// What writes a variable once, in the order in which it does.
@@ -103,11 +127,13 @@ struct Write {
     condition: Condition,
 }
 
-/// For each variable, what writes it once, in order; sets before resets where that is free.
-fn happened(context: &mut Context<'_>) -> Vec<Vec<Write>> {
+/// For each variable, what in the step of charts of that kind writes it once, in order; sets before
+/// resets where that is free.
+fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     let machine = context.machine;
     let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
-    for (id, t) in machine.transitions.iter() {
+    let fires = machine.transitions.iter().filter(|(_, t)| t.phase == Phase::Start && machine.kind(t.scope) == kind);
+    for (id, t) in fires {
         let source = &machine.states[t.source];
         let step = if t.internal && !source.regions.is_empty() { Step::Inside(source.depth) } else { Step::Fired };
         for effect in &t.deeds.effects {
@@ -115,7 +141,7 @@ fn happened(context: &mut Context<'_>) -> Vec<Vec<Write>> {
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
         }
     }
-    for (id, state) in machine.states.iter() {
+    for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         for effect in &state.exit.effects {
             let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), left(context, id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });

@@ -23,6 +23,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         outputs: Vec::new(),
         variables: Vec::new(),
         actuators: Vec::new(),
+        observers: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
         plants: Vec::new(),
@@ -37,6 +38,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
+            Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
@@ -178,6 +180,19 @@ fn chart<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Chart {
     }
 }
 
+fn observer<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Observer {
+    let inside = p.clone().into_inner().find(|p| p.as_rule() == Rule::observer_body).expect("an observer has a body");
+    let after_filter = inside.into_inner().filter(|p| p.as_rule() == Rule::after_filter);
+    let after_filter = after_filter.map(|p| body(p, bad)).collect();
+    let head = Head::read(p, bad);
+    Observer {
+        name: head.name,
+        description: head.description,
+        body: head.body.expect("an observer has a body"),
+        after_filter,
+    }
+}
+
 /// What charts, states and regions have in common.
 struct Head {
     name: Name,
@@ -216,7 +231,7 @@ impl Head {
                     _ => head.name = name(p),
                 },
                 Rule::text => head.description = Some(text(p)),
-                Rule::body | Rule::outer_body => head.body = Some(body(p, bad)),
+                Rule::body | Rule::outer_body | Rule::observer_body => head.body = Some(body(p, bad)),
                 _ => {}
             }
             before = Some(rule);

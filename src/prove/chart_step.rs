@@ -15,7 +15,9 @@
 
 use super::chart_filter;
 use crate::bits::aig::{Aig, Lit};
-use crate::ir::chart::{Atom, Deeds, Guard, Machine, RegionId, StateId, StateKind, TransitionId, VariableId};
+use crate::ir::chart::{
+    Atom, ChartKind, Deeds, Guard, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -60,13 +62,17 @@ pub struct ChartScan {
     pub broken: Vec<Lit>,
     /// For each timer, whether this is the first scan that began in its state.
     pub begins: Vec<Lit>,
+    /// For each state, whether it is active when the filter runs.
+    pub seen: Vec<Lit>,
 }
 
 /// What the scans of one machine share.
 pub struct ChartStep<'m> {
     machine: &'m Machine,
-    /// For each region, its transitions in the order in which they are tried.
+    /// For each region, its transitions in the order in which they are tried: when the chart steps, and
+    /// after the filter.
     scoped: Vec<Vec<TransitionId>>,
+    ending: Vec<Vec<TransitionId>>,
     timers: BTreeMap<(StateId, u32), usize>,
     rounds: usize,
 }
@@ -84,7 +90,8 @@ impl<'m> ChartStep<'m> {
             });
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
-        ChartStep { machine, scoped: machine.scoped(), timers, rounds }
+        let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
+        ChartStep { machine, scoped, ending, timers, rounds }
     }
 
     /// The states and times in milliseconds that guards ask for, each once.
@@ -106,8 +113,11 @@ impl<'m> ChartStep<'m> {
             marks: vec![Lit::FALSE; m.safety.marks().count()],
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
-        let fires = vec![Lit::FALSE; m.transitions.len()];
-        self.rest(aig, &before, inputs, fires, &elapsed, Lit::TRUE)
+        let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
+        let mut now = Now::of(&before, m);
+        let none = now.fires.clone();
+        self.move_on(aig, &mut now, &none, Lit::TRUE);
+        self.rest(aig, given, now)
     }
 
     /// Any later scan. `clocks` says for each timer whether its time has passed by now, if it runs.
@@ -118,32 +128,51 @@ impl<'m> ChartStep<'m> {
             let waits = aig.and(before.active[s.index()], !before.fresh[i]);
             elapsed.push(aig.and(waits, passed));
         }
-        let fires = self.fires(aig, before, inputs, &elapsed);
-        self.rest(aig, before, inputs, fires, &elapsed, Lit::FALSE)
+        let given = Given { step: self, inputs, before, elapsed: &elapsed, outputs: None };
+        let mut now = Now::of(before, self.machine);
+        self.step(aig, given, &mut now, ChartKind::Observer, Phase::Start);
+        self.step(aig, given, &mut now, ChartKind::Control, Phase::Start);
+        self.rest(aig, given, now)
     }
 
-    /// Which transitions fire.
-    fn fires(&self, aig: &mut Aig, before: &ChartState, inputs: &[Lit], elapsed: &[Lit]) -> Vec<Lit> {
+    /// Charts of one kind take a step, effects on variables included.
+    fn step(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, kind: ChartKind, phase: Phase) {
+        let fires = self.fires(aig, given, now, kind, phase);
+        self.move_on(aig, now, &fires, Lit::FALSE);
+    }
+
+    /// What comes of the transitions that fire; with `start` the outermost regions are entered.
+    fn move_on(&self, aig: &mut Aig, now: &mut Now, fires: &[Lit], start: Lit) {
+        let moves = self.configuration(aig, &now.active, fires, start);
+        now.variables = self.happen(aig, &now.variables, fires, &moves);
+        now.active = moves.active;
+        for (all, one) in [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires)] {
+            all.iter_mut().zip(one).for_each(|(all, &one)| *all = aig.or(*all, one));
+        }
+    }
+
+    /// Which transitions of charts of that kind fire.
+    fn fires(&self, aig: &mut Aig, given: Given<'_>, now: &Now, kind: ChartKind, phase: Phase) -> Vec<Lit> {
         let m = self.machine;
-        let reading =
-            Reading { step: self, active: &before.active, variables: &before.variables, inputs, before, elapsed };
+        let reading = given.with(now);
+        let scoped = if phase == Phase::End { &self.ending } else { &self.scoped };
         let mut fires = vec![Lit::FALSE; m.transitions.len()];
         // For each state, whether it is active and a transition further out takes it away or a
         // transition of its own region leaves it: either way nothing inside it moves.
         let mut moved = vec![Lit::FALSE; m.states.len()];
-        for (id, region) in m.regions.iter() {
+        for (id, region) in m.regions.iter().filter(|(id, _)| m.kind(*id) == kind) {
             let barred = region.parent.map_or(Lit::FALSE, |p| moved[p.index()]);
             // Of two transitions only those out of the same state of the region can be enabled
             // together, so each state has its own order.
             let mut tried = vec![Lit::FALSE; region.states.len()];
             let mut left = vec![Lit::FALSE; region.states.len()];
             let place: HashMap<StateId, usize> = region.states.iter().enumerate().map(|(i, &s)| (s, i)).collect();
-            for &t in &self.scoped[id.index()] {
+            for &t in &scoped[id.index()] {
                 let transition = &m.transitions[t];
                 let child = m.child_in(id, transition.source).expect("the scope holds the source");
                 let (tried, left) = (&mut tried[place[&child]], &mut left[place[&child]]);
                 let guard = reading.guard(aig, &transition.guard);
-                let enabled = aig.and(before.active[transition.source.index()], guard);
+                let enabled = aig.and(now.active[transition.source.index()], guard);
                 let first = aig.and(enabled, !*tried);
                 fires[t.index()] = aig.and(first, !barred);
                 *tried = aig.or(*tried, enabled);
@@ -234,62 +263,75 @@ impl<'m> ChartStep<'m> {
         variables
     }
 
-    /// Everything after the transitions.
-    fn rest(
-        &self,
-        aig: &mut Aig,
-        before: &ChartState,
-        inputs: &[Lit],
-        fires: Vec<Lit>,
-        elapsed: &[Lit],
-        start: Lit,
-    ) -> ChartScan {
+    /// Everything after the charts' steps.
+    fn rest(&self, aig: &mut Aig, given: Given<'_>, mut now: Now) -> ChartScan {
         let m = self.machine;
-        let moves = self.configuration(aig, &before.active, &fires, start);
-        let variables = self.happen(aig, &before.variables, &fires, &moves);
-        let Moves { active, entered, .. } = moves;
-
         let mut writes = vec![[Vec::new(), Vec::new()]; m.variables.len()];
-        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        let reading = given.with(&now);
         for (id, state) in m.states.iter() {
             for action in &state.actions {
                 let condition = reading.guard(aig, &action.condition);
-                let acts = aig.and(active[id.index()], condition);
+                let acts = aig.and(now.active[id.index()], condition);
                 writes[action.variable.index()][usize::from(action.value)].push(acts);
             }
         }
-        let variables: Vec<Lit> = variables.iter().zip(&writes).map(|(&v, writes)| write(aig, v, writes)).collect();
+        now.variables = now.variables.iter().zip(&writes).map(|(&v, writes)| write(aig, v, writes)).collect();
 
-        let reading = Reading { step: self, active: &active, variables: &variables, inputs, before, elapsed };
+        let reading = given.with(&now);
         let mut drives = vec![Vec::new(); m.outputs.len()];
         for (id, state) in m.states.iter() {
             for drive in &state.drives {
                 let condition = reading.guard(aig, &drive.condition);
-                drives[drive.output.index()].push(aig.and(active[id.index()], condition));
+                drives[drive.output.index()].push(aig.and(now.active[id.index()], condition));
             }
         }
         let commands: Vec<Lit> = drives.iter().map(|d| aig.any(d)).collect();
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
-        let filtered = chart_filter::filter(aig, m, &commands, &before.marks, &mut read, self.rounds);
+        let filtered = chart_filter::filter(aig, m, &commands, &given.before.marks, &mut read, self.rounds);
+        let seen = now.active.clone();
+        let decided = Given { outputs: Some(&filtered.outputs), ..given };
+        self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
+
+        let Now { active, variables, entered, fires } = now;
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
             let stays = aig.and(active[s.index()], !entered[s.index()]);
-            past.push(aig.and(stays, elapsed[i]));
-            begins.push(aig.and(before.active[s.index()], before.fresh[i]));
+            past.push(aig.and(stays, given.elapsed[i]));
+            begins.push(aig.and(given.before.active[s.index()], given.before.fresh[i]));
         }
         let after = ChartState {
             active,
             variables,
-            inputs: inputs.to_vec(),
+            inputs: given.inputs.to_vec(),
             outputs: filtered.outputs,
             fresh,
             past,
             marks: filtered.marks,
         };
-        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins }
+        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins, seen }
+    }
+}
+
+/// What a scan has made so far of what is remembered.
+struct Now {
+    active: Vec<Lit>,
+    variables: Vec<Lit>,
+    /// For each state, whether it has been entered.
+    entered: Vec<Lit>,
+    fires: Vec<Lit>,
+}
+
+impl Now {
+    fn of(before: &ChartState, machine: &Machine) -> Now {
+        Now {
+            active: before.active.clone(),
+            variables: before.variables.clone(),
+            entered: vec![Lit::FALSE; machine.states.len()],
+            fires: vec![Lit::FALSE; machine.transitions.len()],
+        }
     }
 }
 
@@ -310,14 +352,28 @@ fn write(aig: &mut Aig, before: Lit, [reset, set]: &[Vec<Lit>; 2]) -> Lit {
     aig.and(on, !reset)
 }
 
-/// Where an expression is read: before or after the step.
-struct Reading<'a> {
+/// What does not change in a scan.
+#[derive(Clone, Copy)]
+struct Given<'a> {
     step: &'a ChartStep<'a>,
-    active: &'a [Lit],
-    variables: &'a [Lit],
     inputs: &'a [Lit],
     before: &'a ChartState,
     elapsed: &'a [Lit],
+    /// What the filter lets through, once it is decided.
+    outputs: Option<&'a [Lit]>,
+}
+
+impl<'a> Given<'a> {
+    fn with(self, now: &'a Now) -> Reading<'a> {
+        Reading { given: self, active: &now.active, variables: &now.variables }
+    }
+}
+
+/// What an expression reads where it stands.
+struct Reading<'a> {
+    given: Given<'a>,
+    active: &'a [Lit],
+    variables: &'a [Lit],
 }
 
 impl Reading<'_> {
@@ -327,23 +383,25 @@ impl Reading<'_> {
 
     fn atom(&self, aig: &mut Aig, atom: Atom) -> Lit {
         match atom {
-            Atom::Input(i) => self.inputs[i.index()],
-            Atom::PrevInput(i) => self.before.inputs[i.index()],
-            Atom::Output(_) => unreachable!("outputs of this scan stand in constraints only"),
-            Atom::PrevOutput(o) => self.before.outputs[o.index()],
+            Atom::Input(i) => self.given.inputs[i.index()],
+            Atom::PrevInput(i) => self.given.before.inputs[i.index()],
+            Atom::Output(o) => {
+                self.given.outputs.expect("what reads outputs of this scan comes after the filter")[o.index()]
+            }
+            Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::In(s) => self.active[s.index()],
-            Atom::After(s, ms) => self.elapsed[self.step.timers[&(s, ms)]],
+            Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {
                 let regions: Vec<Lit> =
-                    self.step.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
+                    self.given.step.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
                 aig.all(&regions)
             }
         }
     }
 
     fn ended(&self, aig: &mut Aig, region: RegionId) -> Lit {
-        let machine = self.step.machine;
+        let machine = self.given.step.machine;
         let states = machine.regions[region].states.iter();
         let last = states.filter(|&&s| machine.states[s].kind == StateKind::Final);
         let last: Vec<Lit> = last.map(|s| self.active[s.index()]).collect();

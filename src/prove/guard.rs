@@ -81,7 +81,8 @@ fn condition(cut: &mut Cut, guard: &Guard, outputs: &[Lit]) -> Lit {
         Atom::Output(o) => outputs[o.index()],
         Atom::PrevOutput(o) => before.outputs[o.index()],
         Atom::Variable(v) => chart.after.variables[v.index()],
-        Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints know no states"),
+        Atom::In(s) => chart.seen[s.index()],
+        Atom::Done(_) | Atom::After(..) => unreachable!("of states, constraints ask only whether they are active"),
     })
 }
 

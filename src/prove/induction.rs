@@ -148,7 +148,14 @@ pub fn cut(pair: Pair<'_>, matched: &Match, first: bool) -> Cut {
     let outputs = of(|part| if let Part::Output(o) = part { Some(o.index()) } else { None });
     let last = pair.program.last_writers();
     let mut free = vec![Lit::FALSE; pair.machine.outputs.len()];
+    let chart = both.chart.clone();
     let state = both.run(matched, &mut |aig, program, state| {
+        // Of these it is known what they are.
+        for &(part, latch) in matched.parts.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+            if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_)) {
+                state[latch] = part.after(&chart);
+            }
+        }
         for &(output, latch) in commands.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
             free[output] = aig.leaf(format!("command {output}"));
             state[latch] = free[output];

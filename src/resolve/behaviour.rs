@@ -12,6 +12,10 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     for body in bodies {
         let Some(state) = body.state else { continue };
         let context = Context::Active { region: body.region };
+        if r.machine.observes(state) && body.body.does_something() {
+            let span = r.machine.states[state].span;
+            r.observes_only(span, "this state does something");
+        }
         for written in &body.body.drives {
             let condition = condition(r, &written.condition, &context);
             if let Some(output) = r.output(&written.output) {

@@ -4,7 +4,7 @@ use super::names::{Symbol, kind};
 use super::{LONGEST_TIME, Resolver};
 use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, PathRef, Term};
-use crate::ir::chart::{self, Atom, Guard};
+use crate::ir::chart::{self, Atom, Guard, Phase};
 use crate::ir::expr::Expr;
 
 /// Where a condition stands, which decides what it may read.
@@ -12,21 +12,23 @@ use crate::ir::expr::Expr;
 pub enum Context {
     /// `sensor …`: inputs.
     Sensor,
-    /// `when …` of a transition: all but outputs of this scan.
+    /// `when …` of a transition: all but outputs of this scan, and these too after the filter.
     Guard {
         /// Where names of states are looked up first.
         region: chart::RegionId,
         /// What `done` alone means.
         source: chart::StateId,
+        /// When it is read.
+        phase: Phase,
     },
     /// `when …` of a drive or action of an active state.
     Active {
         /// Where names of states are looked up first.
         region: chart::RegionId,
     },
-    /// `never …`: all but states.
+    /// `never …`: all but states of control charts.
     Constraint,
-    /// `assume … never …`: all but states and outputs of this scan.
+    /// `assume … never …`: all but states of control charts and outputs of this scan.
     Assumption,
     /// A condition of the plant: inputs and outputs.
     Plant,
@@ -47,6 +49,9 @@ impl Resolver {
             Term::Rise(path) => self.edge(path, context, true),
             Term::Fall(path) => self.edge(path, context, false),
             Term::In(path) => self.about_state(path, context, Atom::In),
+            Term::DoneOf(path) if matches!(context, Context::Constraint | Context::Assumption) => {
+                self.knows_no_states(path, context)
+            }
             Term::DoneOf(path) => self.about_state(path, context, Atom::Done),
             Term::After(time) => self.elapsed(time, context),
             Term::Done(span) => match context {
@@ -137,9 +142,10 @@ impl Resolver {
                 | Context::Assumption
                 | Context::Expectation,
             ) => Expr::Atom(Atom::Variable(id)),
-            (Symbol::Output(id), Context::Constraint | Context::Plant | Context::Expectation) => {
-                Expr::Atom(Atom::Output(id))
-            }
+            (
+                Symbol::Output(id),
+                Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
+            ) => Expr::Atom(Atom::Output(id)),
             (Symbol::Variable(_), Context::Plant) => {
                 self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
                 Expr::FALSE
@@ -178,9 +184,10 @@ impl Resolver {
         let (now, before) = match (symbol, context) {
             (_, Context::Sensor) => return self.only_inputs(path, symbol),
             (Symbol::Input(id), _) => (Atom::Input(id), Atom::PrevInput(id)),
-            (Symbol::Output(id), Context::Constraint | Context::Plant | Context::Expectation) => {
-                (Atom::Output(id), Atom::PrevOutput(id))
-            }
+            (
+                Symbol::Output(id),
+                Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
+            ) => (Atom::Output(id), Atom::PrevOutput(id)),
             (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
             (Symbol::Variable(_), _) => return self.no_past(path),
@@ -189,9 +196,18 @@ impl Resolver {
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
     }
 
+    /// Whether the path can only mean a state of an observer.
+    fn observed(&self, path: &PathRef) -> bool {
+        let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
+        let found = self.anywhere(&parts);
+        !found.is_empty() && found.iter().all(|&s| self.machine.observes(s))
+    }
+
     fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
         let region = match context {
             Context::Guard { region, .. } | Context::Active { region } => Some(*region),
+            // What an observer has rebuilt is a fact like an input.
+            Context::Constraint | Context::Assumption if self.observed(path) => None,
             Context::Expectation => self.outermost(&path.parts[0].0),
             Context::Plant => {
                 self.plant_reads(path.span(), "the active states are what the program knows");
@@ -206,19 +222,7 @@ impl Resolver {
                 );
                 return Expr::FALSE;
             }
-            Context::Constraint => {
-                self.misplaced(
-                    "a safety constraint does not know of states",
-                    path.span(),
-                    "not allowed here",
-                    "constraints hold whatever the program does: say it by inputs, outputs and their past",
-                );
-                return Expr::FALSE;
-            }
-            Context::Assumption => {
-                self.bad_assumption(path.span(), "the active states are what the program decides");
-                return Expr::FALSE;
-            }
+            Context::Constraint | Context::Assumption => return self.knows_no_states(path, context),
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
         let found = match (self.chart(parts[0].0), &parts[1..], context) {
@@ -226,10 +230,34 @@ impl Resolver {
             (Some(region), rest @ [_, ..], Context::Expectation) => self.state(rest, Some(region)),
             _ => self.state(&parts, region),
         };
-        match found {
-            Some(state) => Expr::Atom(atom(state)),
-            None => Expr::FALSE,
+        let Some(state) = found else { return Expr::FALSE };
+        if let Context::Guard { region, .. } = context
+            && self.machine.kind(*region) == chart::ChartKind::Observer
+            && !self.machine.observes(state)
+        {
+            let name = self.machine.state_path(state);
+            self.diagnostics.push(
+                Diagnostic::new(Code::ObserverReads, format!("`{name}` is a state of a control chart"))
+                    .label(path.span(), "an observer cannot see it")
+                    .help("let the observer follow what the chart does to the outputs: `prev(…)`"),
+            );
         }
+        Expr::Atom(atom(state))
+    }
+
+    /// Reports a state where only those of observers may be asked for.
+    fn knows_no_states(&mut self, path: &PathRef, context: &Context) -> Guard {
+        if matches!(context, Context::Assumption) {
+            self.bad_assumption(path.span(), "the active states are what the program decides");
+        } else {
+            self.misplaced(
+                "a safety constraint knows of states only whether those of observers are active",
+                path.span(),
+                "not allowed here",
+                "constraints hold whatever the charts do: say it by inputs, outputs, their past and `in(…)` of observers",
+            );
+        }
+        Expr::FALSE
     }
 
     fn only_inputs(&mut self, path: &PathRef, symbol: Symbol) -> Guard {

@@ -8,7 +8,7 @@
 //!
 //! 1. [`signals`]: inputs, outputs, variables
 //! 2. [`actuators`]: positions, outputs and sensors by technology
-//! 3. [`states`]: charts, regions and states, movements among them
+//! 3. [`states`]: observers, charts, regions and states, movements among them
 //! 4. [`transitions`]: transitions and what they do
 //! 5. [`behaviour`]: what states drive, set and reset
 //! 6. [`safety`]: constraints and assumptions, split into products
@@ -71,6 +71,8 @@ struct ResolvedBody<'a> {
     owns_region: bool,
     /// The state whose braces they are; nothing for a chart or a region.
     state: Option<Id<chart::State>>,
+    /// When its transitions are tried.
+    phase: chart::Phase,
     /// The movements written here, by index of their transition.
     movements: Vec<(usize, Id<chart::State>)>,
 }

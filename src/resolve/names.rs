@@ -199,6 +199,15 @@ impl Resolver {
         found
     }
 
+    /// Reports an observer that does more than to observe.
+    pub fn observes_only(&mut self, span: Span, message: &str) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::ObserverActs, format!("an observer only observes, and {message}"))
+                .label(span, "not in an observer")
+                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, a transition of the observer sets or resets"),
+        );
+    }
+
     pub fn wrong_symbol(&mut self, name: &ast::Name, found: Option<Symbol>, wanted: &str) {
         match found {
             Some(symbol) => self.diagnostics.push(
@@ -259,15 +268,8 @@ impl Resolver {
                 }
             };
         }
-        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
-        let found: Vec<Place> = starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect();
-        let states: Vec<chart::StateId> = found
-            .iter()
-            .filter_map(|p| match p {
-                Place::State(id) => Some(*id),
-                Place::Region(_) => None,
-            })
-            .collect();
+        let found = self.places(parts);
+        let states = states_of(&found);
         match states[..] {
             [one] => Some(one),
             [] if !found.is_empty() => {
@@ -295,6 +297,16 @@ impl Resolver {
                 None
             }
         }
+    }
+
+    /// All states that a path can mean, searched in the whole machine.
+    pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
+        states_of(&self.places(parts))
+    }
+
+    fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
+        let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
+        starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect()
     }
 
     fn not_a_state(&mut self, text: &str, span: Span) {
@@ -345,6 +357,14 @@ impl Resolver {
         }
         Ok(place)
     }
+}
+
+fn states_of(places: &[Place]) -> Vec<chart::StateId> {
+    let state = |p: &Place| match p {
+        Place::State(id) => Some(*id),
+        Place::Region(_) => None,
+    };
+    places.iter().filter_map(state).collect()
 }
 
 /// What a symbol is, in words.

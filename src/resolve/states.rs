@@ -1,4 +1,4 @@
-//! Declared charts, regions and states to those of the machine; movements become states.
+//! Declared observers, charts, regions and states to those of the machine; movements become states.
 
 use super::names::describe;
 use super::{ResolvedBody, Resolver};
@@ -16,23 +16,48 @@ pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> Vec<ResolvedBody
                 .help("add `chart NAME { … }` with its states"),
         );
     }
-    for (i, declared) in tree.charts.iter().enumerate() {
-        r.legal(&declared.name);
-        if let Some(first) = tree.charts[..i].iter().find(|c| c.name.text.eq_ignore_ascii_case(&declared.name.text)) {
-            r.duplicate(&declared.name, first.name.span);
+    for declared in &tree.observers {
+        let kind = chart::ChartKind::Observer;
+        let region = chart(r, &mut bodies, kind, (&declared.name, &declared.description), (&declared.body, None));
+        for body in &declared.after_filter {
+            let phase = chart::Phase::End;
+            bodies.push(ResolvedBody { body, region, owns_region: true, state: None, phase, movements: Vec::new() });
         }
-        let index = r.machine.charts.len();
-        r.machine.charts.push(chart::Chart {
-            name: declared.name.text.clone(),
-            description: describe(&declared.description),
-            regions: Vec::new(),
-            span: declared.name.span,
-        });
-        let mut builder = Builder { r, bodies: &mut bodies, chart: index };
-        let regions = builder.regions(&declared.body, &declared.name, declared.controls.as_ref(), None);
-        builder.r.machine.charts[index].regions = regions;
+    }
+    for declared in &tree.charts {
+        let kind = chart::ChartKind::Control;
+        let body = (&declared.body, declared.controls.as_ref());
+        chart(r, &mut bodies, kind, (&declared.name, &declared.description), body);
     }
     bodies
+}
+
+/// Enters a chart or observer; returns its first region.
+fn chart<'a>(
+    r: &mut Resolver,
+    bodies: &mut Vec<ResolvedBody<'a>>,
+    kind: chart::ChartKind,
+    (name, description): (&'a ast::Name, &Option<ast::Text>),
+    (body, controls): (&'a ast::Body, Option<&ast::Name>),
+) -> chart::RegionId {
+    r.legal(name);
+    if let Some(first) = r.machine.charts.iter().find(|c| c.name.eq_ignore_ascii_case(&name.text)) {
+        let first = first.span;
+        r.duplicate(name, first);
+    }
+    let index = r.machine.charts.len();
+    r.machine.charts.push(chart::Chart {
+        name: name.text.clone(),
+        kind,
+        description: describe(description),
+        regions: Vec::new(),
+        span: name.span,
+    });
+    let mut builder = Builder { r, bodies, chart: index };
+    let regions = builder.regions(body, name, controls, None);
+    let first = regions[0];
+    r.machine.charts[index].regions = regions;
+    first
 }
 
 struct Builder<'r, 'a, 'b> {
@@ -113,7 +138,12 @@ impl<'a> Builder<'_, 'a, '_> {
         controls: Option<&ast::Name>,
         parent: Option<chart::StateId>,
     ) -> chart::RegionId {
-        let actuator = controls.and_then(|name| self.r.actuator(name));
+        let actuator = controls.and_then(|name| {
+            if self.r.machine.charts[self.chart].kind == chart::ChartKind::Observer {
+                self.r.observes_only(name.span, "it controls an actuator");
+            }
+            self.r.actuator(name)
+        });
         let id = self.r.machine.regions.push(chart::Region {
             name: name.map(|n| n.text.clone()),
             description,
@@ -128,7 +158,14 @@ impl<'a> Builder<'_, 'a, '_> {
             self.r.declare_region(name, parent, self.chart, id);
         }
         let at = self.bodies.len();
-        self.bodies.push(ResolvedBody { body, region: id, owns_region: true, state: None, movements: Vec::new() });
+        self.bodies.push(ResolvedBody {
+            body,
+            region: id,
+            owns_region: true,
+            state: None,
+            phase: chart::Phase::Start,
+            movements: Vec::new(),
+        });
         if body.states.is_empty() {
             self.r.diagnostics.push(
                 Diagnostic::new(Code::EmptyState, "there is no state between these braces")
@@ -241,8 +278,14 @@ impl<'a> Builder<'_, 'a, '_> {
         }
         // Transitions beside the regions of a parallel state have no region of their own; those of
         // a plain composite state are read with its region.
-        let own = ResolvedBody { body, region: inner, owns_region: false, state: Some(id), movements: Vec::new() };
-        self.bodies.push(own);
+        self.bodies.push(ResolvedBody {
+            body,
+            region: inner,
+            owns_region: false,
+            state: Some(id),
+            phase: chart::Phase::Start,
+            movements: Vec::new(),
+        });
     }
 
     fn not_parallel(&mut self, declared: &ast::State, span: Span) {

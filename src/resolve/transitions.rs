@@ -68,7 +68,7 @@ fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, i
             return;
         };
         jump(r, written.span, source, target);
-        into.push(transition(written, source, target, scope, guard, deeds));
+        into.push(transition(written, source, target, (scope, body.phase), guard, deeds));
     }
 }
 
@@ -101,11 +101,12 @@ fn movement(
         let (guard, deeds) = details(r, body, written, source);
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, body.region, guard, deeds));
+            into.push(transition(written, source, state, (body.region, body.phase), guard, deeds));
             into.push(chart::Transition {
                 source: state,
                 target,
                 scope: body.region,
+                phase: body.phase,
                 guard: sensor,
                 internal: false,
                 deeds: chart::Deeds::default(),
@@ -202,7 +203,7 @@ fn details(
     source: chart::StateId,
 ) -> (Guard, chart::Deeds) {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source }),
+        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
@@ -216,7 +217,7 @@ fn internal(
     written: &ast::Internal,
     state: chart::StateId,
 ) -> chart::Transition {
-    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state });
+    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state, phase: body.phase });
     let deeds = r.deeds(&written.effects, "this transition");
     if written.effects.is_empty() {
         r.diagnostics.push(
@@ -228,6 +229,7 @@ fn internal(
     chart::Transition {
         source: state,
         target: state,
+        phase: body.phase,
         internal: true,
         scope: r.machine.states[state].region,
         guard,
@@ -242,7 +244,7 @@ fn transition(
     written: &ast::Transition,
     source: chart::StateId,
     target: chart::StateId,
-    scope: chart::RegionId,
+    (scope, phase): (chart::RegionId, chart::Phase),
     guard: Guard,
     deeds: chart::Deeds,
 ) -> chart::Transition {
@@ -251,6 +253,7 @@ fn transition(
         target,
         internal: false,
         scope,
+        phase,
         guard,
         deeds,
         priority: written.priority.map(|(n, _)| n),

@@ -186,6 +186,7 @@ impl Chart {
         for (broken, never) in self.broken.iter_mut().zip(&self.assumptions) {
             *broken = self.code.holds(*never, &self.memory);
         }
+        self.steps.end(&self.code, &mut self.memory, &mut self.configuration);
     }
 
     /// Takes the inputs in; what was now becomes what was before.
@@ -262,7 +263,8 @@ impl Chart {
         words.flat_map(|(i, &word)| bits(word, i)).map(StateId::from_index)
     }
 
-    /// The transitions that fired in the last scan; none of them inside what another one left.
+    /// The transitions that fired in the last scan, in the order in which they did: those of observers, of
+    /// the other charts, and of observers after the filter.
     pub fn fired(&self) -> &[TransitionId] {
         self.configuration.fired()
     }

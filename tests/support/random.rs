@@ -8,6 +8,7 @@
 //! Names are unique in the whole text, so that what mentions a thing can be found by its name.
 
 mod behaviour;
+mod observers;
 mod safety;
 mod tree;
 
@@ -23,11 +24,13 @@ pub fn model(seed: u64) -> Vec<Item> {
         _ => rng.between(30, 60),
     };
     let mut model = Model::new(rng, size);
+    model.plan_observers();
     model.tree(size);
     model.transitions();
     model.behaviour();
     let safety = model.safety();
     let mut items = model.declarations();
+    items.extend(model.observer_items());
     items.extend(model.charts());
     items.extend(safety);
     items
@@ -92,6 +95,7 @@ struct Model {
     actuators: Vec<Actuator>,
     regions: Vec<Region>,
     states: Vec<State>,
+    observers: Vec<observers::Observer>,
     /// For each chart its outermost regions.
     charts: Vec<Vec<usize>>,
     /// What names of states begin with.
@@ -130,6 +134,7 @@ impl Model {
             actuators,
             regions: Vec::new(),
             states: Vec::new(),
+            observers: Vec::new(),
             charts: Vec::new(),
             prefix: rng.pick::<&str>(&["S", "State", "Q", "AnExtraordinarilyLongNameForAState"]),
             names: 0,

@@ -2,7 +2,9 @@
 //! its meaning, and against the program that the model is compiled to.
 
 use super::rng::Rng;
-use chartwright::ir::chart::{Atom, ConstraintId, FilterMode, Machine, Mark, OutputId, StateId, VariableId};
+use chartwright::ir::chart::{
+    Atom, ConstraintId, FilterMode, Guard, Machine, Mark, OutputId, Phase, StateId, VariableId,
+};
 use chartwright::ir::iec::VarId;
 use chartwright::ir::plc::Role;
 use chartwright::pipeline::{self, Dialect, Options};
@@ -55,17 +57,33 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
                 return wrong(format!("{active} active states in `{}`, not {wanted}", machine.region_path(id)));
             }
         }
+        // Observers may have moved since the filter decided.
+        let moved = || chart.fired().iter().map(|&t| &machine.transitions[t]).filter(|t| t.phase == Phase::End);
+        let was = |s: StateId| match moved().find(|t| t.source == s || t.target == s) {
+            Some(t) => t.source == s,
+            None => chart.is_active(s),
+        };
+        let lost = |guard: &Guard| {
+            let mut lost = false;
+            guard.for_each_atom(&mut |a| {
+                let written = |v| moved().any(|t| t.deeds.effects.iter().any(|e| e.variable == v));
+                lost |= matches!(*a, Atom::Variable(v) if written(v));
+            });
+            lost
+        };
         let value = |atom: &Atom| match *atom {
             Atom::Input(i) => now[i.index()],
             Atom::PrevInput(i) => before.as_ref().unwrap_or(&now)[i.index()],
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
+            Atom::In(s) if machine.observes(s) => was(s),
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
         let mut assumed = true;
         for (i, assumption) in machine.safety.assumptions.iter().enumerate() {
-            let broken = assumption.never.eval(&mut |a| value(a));
+            let seen = assumption.never.eval(&mut |a| value(a));
+            let broken = if lost(&assumption.never) { chart.broken(i) } else { seen };
             assumed &= !broken;
             if broken != chart.broken(i) {
                 return wrong(format!("`{}` is broken: {broken}", assumption.name));
@@ -77,7 +95,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let mut acted = false;
         for (id, constraint) in machine.safety.constraints.iter() {
             acted |= chart.acted(id);
-            if constraint.never.eval(&mut |a| value(a)) && !chart.filter_failed() {
+            if !lost(&constraint.never) && constraint.never.eval(&mut |a| value(a)) && !chart.filter_failed() {
                 return wrong(format!("the outputs violate `{}`", constraint.name));
             }
         }

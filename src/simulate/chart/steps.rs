@@ -4,6 +4,9 @@
 //! inside, active or not: a mask over the words of states. What it enters depends on nothing but the
 //! transition: another mask, and for each entered region its new state.
 //!
+//! Observers step first, all at once, and then the other charts. What an observer does after the filter is
+//! a table of its own: flat, so that its active state says what to look at.
+//!
 //! The table is sorted by the state of the scope that is left. So for an active region only the
 //! transitions that leave its active state are looked at, in the order in which they are tried.
 //!
@@ -13,7 +16,7 @@
 //! states do when they are left comes before all that, because it asks which of them were active.
 
 use super::code::{Code, Condition, Layout, Memory, append, part};
-use crate::ir::chart::{Atom, Deeds, Machine, RegionId, StateId, Transition, TransitionId};
+use crate::ir::chart::{Atom, ChartKind, Deeds, Machine, Phase, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -51,8 +54,10 @@ struct Change {
 /// The tables of all transitions.
 #[derive(Clone, Debug)]
 pub struct Steps {
-    /// For each state, the transitions that leave it as the active state of their scope.
+    /// For each state, the transitions that leave it as the active state of their scope, in the step and
+    /// after the filter.
     leaving: Vec<Range<u32>>,
+    ending: Vec<Range<u32>>,
     steps: Vec<Step>,
     /// For each state, those in it that do something when they are left, the innermost first.
     leavers: Vec<Range<u32>>,
@@ -64,8 +69,11 @@ pub struct Steps {
     /// For each state, its regions.
     inside: Vec<Range<u32>>,
     regions: Vec<RegionId>,
-    /// The outermost regions of all charts.
-    outermost: Range<u32>,
+    /// The outermost regions of observers and of control charts.
+    observing: Range<u32>,
+    controlling: Range<u32>,
+    /// The regions with transitions that are tried after the filter.
+    again: Range<u32>,
     /// What the first scan enters.
     initial: Vec<(RegionId, StateId)>,
 }
@@ -96,7 +104,7 @@ impl Configuration {
         }
     }
 
-    /// The transitions that fired in this scan, those of outer regions first.
+    /// The transitions that fired in this scan, of each step those of outer regions first.
     pub fn fired(&self) -> &[TransitionId] {
         &self.fired
     }
@@ -107,6 +115,7 @@ impl Steps {
     pub fn of(machine: &Machine, layout: Layout, code: &mut Code) -> Steps {
         let mut all = Steps {
             leaving: Vec::with_capacity(machine.states.len()),
+            ending: Vec::with_capacity(machine.states.len()),
             steps: Vec::with_capacity(machine.transitions.len()),
             leavers: Vec::new(),
             exits: Vec::new(),
@@ -115,13 +124,22 @@ impl Steps {
             entry: Vec::new(),
             inside: Vec::with_capacity(machine.states.len()),
             regions: Vec::with_capacity(machine.regions.len()),
-            outermost: 0..0,
+            observing: 0..0,
+            controlling: 0..0,
+            again: 0..0,
             initial: Vec::new(),
         };
-        all.outermost = append(&mut all.regions, machine.charts.iter().flat_map(|c| c.regions.iter().copied()));
-        for &region in part(&all.regions, &all.outermost) {
+        let outermost = |kind: ChartKind| {
+            machine.charts.iter().filter(move |c| c.kind == kind).flat_map(|c| c.regions.iter().copied())
+        };
+        all.observing = append(&mut all.regions, outermost(ChartKind::Observer));
+        all.controlling = append(&mut all.regions, outermost(ChartKind::Control));
+        for region in outermost(ChartKind::Observer).chain(outermost(ChartKind::Control)) {
             enter(machine, machine.regions[region].initial, None, &mut all.initial);
         }
+        let mut again = vec![false; machine.regions.len()];
+        machine.transitions.values().filter(|t| t.phase == Phase::End).for_each(|t| again[t.scope.index()] = true);
+        all.again = append(&mut all.regions, outermost(ChartKind::Observer).filter(|r| again[r.index()]));
         for state in machine.states.values() {
             let range = append(&mut all.regions, state.regions.iter().copied());
             all.inside.push(range);
@@ -140,11 +158,18 @@ impl Steps {
         all.entries_and_exits(machine, layout);
         let within = within(machine, layout);
         for (state, list) in by_state.into_iter().enumerate() {
-            let from = all.steps.len() as u32;
-            for id in list {
-                all.add(machine, layout, code, &within[state], id);
-            }
-            all.leaving.push(from..all.steps.len() as u32);
+            let (end, start): (Vec<TransitionId>, Vec<TransitionId>) =
+                list.into_iter().partition(|&id| machine.transitions[id].phase == Phase::End);
+            let mut table = |list: Vec<TransitionId>| {
+                let from = all.steps.len() as u32;
+                for id in list {
+                    all.add(machine, layout, code, &within[state], id);
+                }
+                from..all.steps.len() as u32
+            };
+            let (start, end) = (table(start), table(end));
+            all.leaving.push(start);
+            all.ending.push(end);
         }
         all
     }
@@ -214,12 +239,31 @@ impl Steps {
         }
     }
 
-    /// Each chart takes one step, effects on variables included.
+    /// Each observer and then each other chart takes one step, effects on variables included.
     pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, fired, firing, open } = configuration;
-        fired.clear();
+        configuration.fired.clear();
+        self.step_of(&self.observing, code, memory, configuration);
+        self.step_of(&self.controlling, code, memory, configuration);
+    }
+
+    /// What observers do when the outputs are decided.
+    pub fn end(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+        configuration.firing.clear();
+        for &region in part(&self.regions, &self.again) {
+            let candidates = self.ending[configuration.active[region.index()].index()].clone();
+            let holds = |s: &Step| code.holds(s.enabled, memory);
+            if let Some(at) = part(&self.steps, &candidates).iter().position(holds) {
+                configuration.firing.push(candidates.start + at as u32);
+            }
+        }
+        self.fire(memory, configuration);
+    }
+
+    /// The charts with these outermost regions take one step.
+    fn step_of(&self, outermost: &Range<u32>, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { active, firing, open, .. } = &mut *configuration;
         firing.clear();
-        open.extend_from_slice(part(&self.regions, &self.outermost));
+        open.extend_from_slice(part(&self.regions, outermost));
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
@@ -240,6 +284,12 @@ impl Steps {
                 }
             }
         }
+        self.fire(memory, configuration);
+    }
+
+    /// Fires what has been found.
+    fn fire(&self, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { active, fired, firing, .. } = configuration;
         for &at in firing.iter() {
             let step = &self.steps[at as usize];
             self.change(&step.changes, memory);

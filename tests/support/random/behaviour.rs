@@ -197,7 +197,7 @@ impl Model {
         self.regions[region].lines.push(Item::line(text));
     }
 
-    fn priority(&mut self) -> String {
+    pub fn priority(&mut self) -> String {
         if !self.rng.chance(20) {
             return String::new();
         }
@@ -320,7 +320,11 @@ impl Model {
             50..=55 => format!("fall(In{input})"),
             56..=61 => format!("prev(Out{})", self.rng.below(self.outputs)),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
-            76..=85 => format!("in({})", self.states[self.rng.below(self.states.len())].name),
+            76..=85 => {
+                let observed = if self.rng.chance(40) { self.observed() } else { None };
+                let own = self.rng.below(self.states.len());
+                format!("in({})", observed.unwrap_or_else(|| self.states[own].name.clone()))
+            }
             86..=91 => match (0..self.states.len()).filter(|&s| self.can_be_done(s)).collect::<Vec<_>>()[..] {
                 [] => format!("not In{input}"),
                 ref done => format!("done({})", self.states[*self.rng.pick(done)].name),

@@ -38,6 +38,12 @@ impl Model {
             let text = if ways.len() > 1 && self.rng.chance(55) { self.combined(&ways) } else { self.simple(&ways) };
             items.push(Item::line(format!("Con{i}: never {text}")));
         }
+        // One relief that sets off another one.
+        let off: Vec<usize> = (0..ways.len()).filter(|&o| ways[o] == Way::Off).collect();
+        if let ([a, b, c, ..], true) = (&off[..], self.rng.chance(30)) {
+            items.push(Item::line(format!("ConC: never Out{a} and Out{b} yields Out{b}")));
+            items.push(Item::line(format!("ConD: never not Out{b} and Out{c} yields Out{c}")));
+        }
         while self.rng.chance(20) {
             let number = self.number();
             let readings = self.readings(" and ");
@@ -137,6 +143,10 @@ impl Model {
             10..=11 => format!("prev(In{input})"),
             12..=14 => return format!("{}(In{input})", self.rng.pick(&["rise", "fall"])),
             15..=16 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            17..=18 if !self.observers.is_empty() => {
+                let state = self.observed().expect("there is an observer");
+                return format!("{}in({state})", self.rng.pick(&["", "not "]));
+            }
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

@@ -1,0 +1,132 @@
+//! Observers: flat ones, most of which also move after the filter, and some with a state inside.
+
+use super::super::items::Item;
+use super::Model;
+
+/// An observer on its way to a text.
+#[derive(Clone, Debug)]
+pub struct Observer {
+    /// The states of its outermost region; the first one is initial.
+    states: Vec<String>,
+    /// The states inside the second one; the last one is final.
+    inside: Vec<String>,
+    /// The variables that it may write.
+    variables: Vec<usize>,
+    /// Whether it has a part after the filter.
+    twice: bool,
+}
+
+impl Model {
+    /// Decides which observers there are, and which variables are theirs.
+    pub fn plan_observers(&mut self) {
+        let count = if self.rng.chance(45) { 0 } else { self.rng.between(1, 3) };
+        for _ in 0..count {
+            let mut name = |_| format!("Obs{}", self.number());
+            let states: Vec<String> = (0..4).map(&mut name).collect();
+            let inside: Vec<String> = (0..2).map(&mut name).collect();
+            let shape = self.rng.below(4);
+            let count = self.rng.between(2, 4);
+            let observer = Observer {
+                states: states.into_iter().take(count).collect(),
+                inside: if shape == 0 { inside } else { Vec::new() },
+                variables: Vec::new(),
+                twice: shape > 1,
+            };
+            self.observers.push(observer);
+        }
+        for variable in 0..self.variables {
+            if !self.observers.is_empty() && self.rng.chance(40) {
+                let at = self.rng.below(self.observers.len());
+                self.observers[at].variables.push(variable);
+            }
+        }
+    }
+
+    /// The variables that no observer writes.
+    pub fn free_variables(&self) -> Vec<usize> {
+        (0..self.variables).filter(|v| !self.remembered().contains(v)).collect()
+    }
+
+    /// A state of an observer, if there is one.
+    pub fn observed(&mut self) -> Option<String> {
+        let all: Vec<&String> = self.observers.iter().flat_map(|o| o.states.iter().chain(&o.inside)).collect();
+        self.rng.choose(&all).cloned()
+    }
+
+    /// The text of all observers.
+    pub fn observer_items(&mut self) -> Vec<Item> {
+        (0..self.observers.len()).map(|i| self.observer(i)).collect()
+    }
+
+    fn remembered(&self) -> Vec<usize> {
+        self.observers.iter().flat_map(|o| o.variables.iter().copied()).collect()
+    }
+
+    fn observer(&mut self, index: usize) -> Item {
+        let Observer { states, inside, variables, twice } = self.observers[index].clone();
+        let mut items: Vec<Item> = states.iter().map(|s| Item::line(format!("state {s}"))).collect();
+        items[0] = Item::line(format!("initial state {}", states[0]));
+        if let [first, last] = &inside[..] {
+            let guard = self.observation(1, false, true);
+            let lines = [
+                format!("initial state {first}"),
+                format!("final state {last}"),
+                format!("from {first} to {last} when {guard}"),
+            ];
+            items[1] = Item::block(format!("state {}", states[1]), lines.map(Item::line));
+        }
+        let mut lines = [Vec::new(), Vec::new()];
+        // A way into every state, and some more.
+        let mut ways: Vec<(String, String)> = (1..states.len())
+            .map(|to| (states[self.rng.below(to)].clone(), states[to].clone()))
+            .chain([(states[states.len() - 1].clone(), states[0].clone())])
+            .collect();
+        while self.rng.chance(60) {
+            let all: Vec<&String> = states.iter().chain(&inside).collect();
+            ways.push((self.rng.pick(&all).to_string(), self.rng.pick(&all).to_string()));
+        }
+        for (from, to) in ways {
+            let end = twice && self.rng.chance(50);
+            let guard = match self.rng.below(6) {
+                0 if from == states[1] && !inside.is_empty() => "done".to_owned(),
+                _ => self.observation(2, end, !twice),
+            };
+            let priority = self.priority();
+            let effects = match self.rng.choose(&variables) {
+                Some(v) if self.rng.chance(60) => format!(" then {} Var{v}", self.rng.pick(&["set", "reset"])),
+                _ => String::new(),
+            };
+            lines[usize::from(end)].push(Item::line(format!("from {from} to {to}{priority} when {guard}{effects}")));
+        }
+        let [start, end] = lines;
+        items.extend(start);
+        if !end.is_empty() {
+            items.push(Item::block("after filter", end));
+        }
+        Item::block(format!("observer Watch{index}"), items)
+    }
+
+    /// What an observer may ask for; outputs of this scan only after the filter, times only if it has no
+    /// part there.
+    fn observation(&mut self, depth: usize, end: bool, times: bool) -> String {
+        if depth > 0 && self.rng.chance(45) {
+            let operands = [0, 1].map(|_| self.observation(depth - 1, end, times));
+            return format!("({})", operands.join(self.rng.pick::<&str>(&[" and ", " or ", " xor "])));
+        }
+        let (input, output) = (self.rng.below(self.inputs), self.rng.below(self.outputs));
+        let remembered = self.remembered();
+        let text = match self.rng.below(20) {
+            0..=1 => format!("rise(In{input})"),
+            2 => format!("fall(In{input})"),
+            3 => format!("prev(In{input})"),
+            4..=5 => format!("prev(Out{output})"),
+            6..=9 if end => format!("{}(Out{output})", self.rng.pick(&["rise", "rise", "fall"])),
+            10..=11 if end => format!("Out{output}"),
+            12..=14 => format!("in({})", self.observed().expect("there is an observer")),
+            15 if times => format!("after {}ms", self.rng.between(1, 80)),
+            16..=18 if !remembered.is_empty() => format!("Var{}", self.rng.pick(&remembered)),
+            _ => format!("In{input}"),
+        };
+        if self.rng.chance(25) { format!("not {text}") } else { text }
+    }
+}

@@ -362,3 +362,12 @@ fn indexa_stops_whenever_it_has_to() {
     }
     assert!(count > 150, "{count}");
 }
+
+#[test]
+fn the_name_of_a_chart_leads_to_its_own_states_only() {
+    let source = std::fs::read_to_string(crate::support::models::repository("models/two_charts.chart")).unwrap();
+    assert!(pipeline::check(&source).0.is_some());
+    let wrong = source.replace("in(Light.Stop)", "in(Barrier.Stop)");
+    let codes: Vec<_> = pipeline::check(&wrong).1.iter().map(|d| d.code.number()).collect();
+    assert_eq!(codes, ["E104"]);
+}

@@ -192,6 +192,7 @@ codes! {
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
     IdleInternal "E330" "an internal transition does nothing",
+    LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 
     ObserverReads "E350" "an observer reads what the charts decide",
     ObserverActs "E351" "an observer does more than to observe",

@@ -5,6 +5,7 @@ use crate::ir::chart::{Atom, ChartKind, Machine, Phase};
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     reads(machine, found);
+    events(machine, found);
     flat(machine, found);
 }
 
@@ -33,6 +34,30 @@ fn reads(machine: &Machine, found: &mut Diagnostics) {
                 );
             }
         });
+    }
+}
+
+/// Events are between charts: no observer reads or raises one.
+fn events(machine: &Machine, found: &mut Diagnostics) {
+    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
+        t.guard.for_each_atom(&mut |atom| {
+            if let Atom::Event(e) = *atom {
+                let text = format!("`{}` is an event: charts raise it", machine.events[e].name);
+                found.push(
+                    Diagnostic::new(Code::ObserverReads, text)
+                        .label(t.span, "an observer cannot see it")
+                        .help("let the observer follow what the charts do to the outputs: `prev(…)`"),
+                );
+            }
+        });
+        if let Some(&e) = t.deeds.raises.first() {
+            let text = format!("an observer does not raise events, such as `{}`", machine.events[e].name);
+            found.push(
+                Diagnostic::new(Code::ObserverActs, text)
+                    .label(t.span, "raised here")
+                    .help("let a chart ask for the observer's state by `in(STATE)` and raise the event"),
+            );
+        }
     }
 }
 

@@ -8,15 +8,21 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
     let mut read = vec![false; machine.variables.len()];
     let mut written = vec![false; machine.variables.len()];
+    let mut heard = vec![false; machine.events.len()];
+    let mut raised = vec![false; machine.events.len()];
     let mut driven = vec![false; machine.outputs.len()];
     let mut look = |guard: &Guard| {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
+            Atom::Event(e) => heard[e.index()] = true,
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
-    let mut write = |deeds: &Deeds| deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
+    let mut write = |deeds: &Deeds| {
+        deeds.effects.iter().for_each(|e| written[e.variable.index()] = true);
+        deeds.raises.iter().for_each(|e| raised[e.index()] = true);
+    };
     for t in machine.transitions.values() {
         look(&t.guard);
         write(&t.deeds);
@@ -54,6 +60,17 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         found.push(
             Diagnostic::new(Code::NeverUsed, format!("the variable `{}` is {problem}", variable.name))
                 .label(variable.span, "declared here"),
+        );
+    }
+    for (id, event) in machine.events.iter() {
+        let problem = match (heard[id.index()], raised[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never read",
+            (true, false) => "never raised",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the event `{}` is {problem}", event.name))
+                .label(event.span, "declared here"),
         );
     }
     for (id, output) in machine.outputs.iter() {

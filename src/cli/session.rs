@@ -284,6 +284,10 @@ impl Session<'_> {
             let line = format!("{}  {:<12} {}", u8::from(frame[layout.variable(id)]), v.name, v.description);
             let _ = writeln!(text, "{}", line.trim_end());
         }
+        for (id, e) in self.machine.events.iter() {
+            let line = format!("{}  {:<12} {}", u8::from(frame[layout.event(id)]), e.name, e.description);
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
         text
     }
 }

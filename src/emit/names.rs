@@ -50,6 +50,7 @@ fn role(role: Role) -> &'static str {
         Role::Input => "input",
         Role::Output => "output",
         Role::Variable => "variable",
+        Role::Event => "event",
         Role::StepFlag => "step flag",
         Role::Condition => "condition",
         Role::Command => "command",

@@ -53,6 +53,8 @@ pub struct Machine {
     pub outputs: Vec<Signal>,
     /// All `variables { … }` in order.
     pub variables: Vec<Variable>,
+    /// All `events { … }` in order.
+    pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
     /// All `observer …` in order.
@@ -89,6 +91,15 @@ pub struct Variable {
     pub description: Option<Text>,
 }
 
+/// `JarPlaced "…"` among events.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The event's name.
+    pub name: Name,
+    /// What it means.
+    pub description: Option<Text>,
+}
+
 /// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actuator {
@@ -117,7 +128,7 @@ pub enum Technology {
     OnOff,
 }
 
-/// `position Down output OVC sensor V1 "…"`.
+/// `position Down output OVC sensor V1 within 2s else set Late "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
     /// The position's name.
@@ -126,8 +137,21 @@ pub struct Position {
     pub output: Option<Name>,
     /// What is TRUE when it is reached.
     pub sensor: Option<Guard>,
+    /// `within … else …`.
+    pub limit: Option<Limit>,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// `within 2s else set Late`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// How long a movement may take.
+    pub time: Duration,
+    /// What happens if it takes longer.
+    pub effects: Vec<Effect>,
+    /// All of it.
+    pub span: Span,
 }
 
 /// An expression with its place.
@@ -337,13 +361,22 @@ pub struct Internal {
     pub span: Span,
 }
 
-/// `set V` or `reset V`.
+/// `set V`, `reset V` or `raise E`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
-    /// The variable.
+    /// The variable or event.
     pub variable: Name,
     /// What it becomes.
-    pub value: bool,
+    pub value: EffectValue,
+}
+
+/// What a variable or event becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffectValue {
+    /// TRUE or FALSE.
+    Bool(bool),
+    /// Raised.
+    Raised,
 }
 
 /// `drives OUTPUT when …`.

@@ -24,7 +24,8 @@
 //! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
-//!    wins; [`check`](crate::check) sees to it that there is a last one.
+//!    wins; [`check`](crate::check) sees to it that there is a last one. An event that any of them raises
+//!    is [TRUE](Atom::Event) throughout the next scan, and only then. Observers raise and read none.
 //! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
 //!    Their conditions read states as they are now and variables as 5 left them.
 //! 7. The command of an output is the OR of the [`Drive`]s of the states that are active now;
@@ -44,10 +45,12 @@
 
 use super::expr::Expr;
 use super::scenario::{Plant, Scenario};
-use super::sop::Product;
 use crate::base::{Arena, Id, Span};
 
+mod safety;
+
 pub use super::ast::Technology;
+pub use safety::{Assumption, Constraint, FilterMode, Mark, Relief, Safety, outputs_of};
 
 /// Names an input.
 pub type InputId = Id<Input>;
@@ -55,6 +58,8 @@ pub type InputId = Id<Input>;
 pub type OutputId = Id<Output>;
 /// Names a variable.
 pub type VariableId = Id<Variable>;
+/// Names an event.
+pub type EventId = Id<Event>;
 /// Names an actuator.
 pub type ActuatorId = Id<Actuator>;
 /// Names a region.
@@ -81,6 +86,8 @@ pub struct Machine {
     pub outputs: Arena<Output>,
     /// What is remembered, in order of declaration.
     pub variables: Arena<Variable>,
+    /// What can be raised, in order of declaration.
+    pub events: Arena<Event>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
     /// The observers and then the control charts, each in order of declaration. Those of one kind run side
@@ -139,6 +146,17 @@ pub struct Variable {
     pub span: Span,
 }
 
+/// Something that happens: raised in one scan, TRUE in exactly the next one.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// A technical device with positions. What its technology demands of outputs has become
 /// [`Drive`]s of states; what remains is for reading and for analysis.
 #[derive(Clone, Debug)]
@@ -164,7 +182,21 @@ pub struct Position {
     pub output: Option<OutputId>,
     /// What is TRUE when it is reached; over inputs only.
     pub sensor: Option<Guard>,
+    /// What happens in a movement to it that takes too long. It has become an internal
+    /// [`Transition`] of each movement, which is tried last.
+    pub limit: Option<Limit>,
     /// Where it is declared.
+    pub span: Span,
+}
+
+/// What happens in a movement that takes too long.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// How long it may take, in milliseconds.
+    pub time: u32,
+    /// What happens in each scan in which it has taken that long and does not end.
+    pub deeds: Deeds,
+    /// Where it is written.
     pub span: Span,
 }
 
@@ -184,6 +216,8 @@ pub enum Atom {
     PrevOutput(OutputId),
     /// The variable.
     Variable(VariableId),
+    /// Whether the event was raised in the scan before.
+    Event(EventId),
     /// Whether the state is active.
     In(StateId),
     /// Whether every region of the state is in a final state.
@@ -325,12 +359,14 @@ pub struct Action {
 pub struct Deeds {
     /// What becomes of variables; no variable twice.
     pub effects: Vec<Effect>,
+    /// The events that are raised; none twice.
+    pub raises: Vec<EventId>,
 }
 
 impl Deeds {
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
-        self.effects.is_empty()
+        self.effects.is_empty() && self.raises.is_empty()
     }
 }
 
@@ -368,112 +404,6 @@ pub struct Transition {
     pub description: String,
     /// Where it is written.
     pub span: Span,
-}
-
-/// The safety part of a model.
-#[derive(Clone, Debug, Default)]
-pub struct Safety {
-    /// What the filter does about a violation; nothing when the model has no constraints.
-    pub mode: Option<FilterMode>,
-    /// Where the mode stands.
-    pub span: Span,
-    /// How combined constraints are relieved.
-    pub relief: Relief,
-    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
-    /// if, it remembers that.
-    pub reset: Option<InputId>,
-    /// What must never be, in the order in which it is written.
-    pub constraints: Arena<Constraint>,
-    /// What the plant cannot do.
-    pub assumptions: Vec<Assumption>,
-}
-
-/// What the filter does about a violation (seed 001).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FilterMode {
-    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
-    /// what constraints make of that.
-    Blocking,
-    /// Outputs are corrected, the program goes on, each correction is an alarm.
-    Supervisor,
-    /// Outputs are corrected, and that is normal.
-    Controller,
-}
-
-/// How combined constraints are relieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Relief {
-    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
-    #[default]
-    Together,
-    /// In sweeps, each in its turn and at once, as they are written (seed 003).
-    InOrder {
-        /// How many sweeps are made: as many as it takes at most to meet all constraints.
-        sweeps: usize,
-    },
-}
-
-/// What the filter remembers from scan to scan; FALSE before the first one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Mark {
-    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
-    /// while this is TRUE.
-    Noted,
-    /// The constraint acted in the scan in which this began.
-    First(ConstraintId),
-}
-
-/// A safety constraint: none of its products may be TRUE when the outputs are written.
-#[derive(Clone, Debug)]
-pub struct Constraint {
-    /// Its name.
-    pub name: String,
-    /// What it says, in words for the operator.
-    pub text: String,
-    /// What must never be TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products; none contradicts itself.
-    pub products: Vec<Product<Atom>>,
-    /// Who gives way when a combined product would be TRUE.
-    pub yields: Vec<OutputId>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// Something that the plant cannot do, over inputs, previous values and variables.
-#[derive(Clone, Debug)]
-pub struct Assumption {
-    /// Its name.
-    pub name: String,
-    /// What it says in words.
-    pub text: String,
-    /// What is never TRUE, as it is written.
-    pub never: Guard,
-    /// The same split into products.
-    pub products: Vec<Product<Atom>>,
-    /// Where it is declared.
-    pub span: Span,
-}
-
-/// The outputs of this scan in a product, each with whether it stands negated.
-pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bool)> + '_ {
-    product.literals().iter().filter_map(|l| match l.atom {
-        Atom::Output(o) => Some((o, l.negated)),
-        _ => None,
-    })
-}
-
-impl Safety {
-    /// What the filter remembers, the stop first.
-    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
-        let any = self.reset.is_some();
-        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
-    }
-
-    /// Whether a constraint that acts is an alarm.
-    pub fn alarms(&self) -> bool {
-        self.mode != Some(FilterMode::Controller)
-    }
 }
 
 impl Machine {
@@ -530,6 +460,7 @@ impl Machine {
             Atom::Output(o) => self.outputs[o].name.clone(),
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
+            Atom::Event(e) => self.events[e].name.clone(),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),

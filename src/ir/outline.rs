@@ -31,6 +31,9 @@ impl Writer<'_> {
         for o in m.outputs.values() {
             writeln!(self.out, "output {} {}", o.name, o.address.as_deref().unwrap_or("-"))?;
         }
+        for e in m.events.values() {
+            writeln!(self.out, "event {}", e.name)?;
+        }
         for v in m.variables.values() {
             writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
         }
@@ -229,8 +232,10 @@ impl Writer<'_> {
 
     fn deeds(&self, deeds: &Deeds) -> String {
         let name = |e: &Effect| &self.machine.variables[e.variable].name;
-        let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, name(e));
-        deeds.effects.iter().map(one).collect::<Vec<_>>().join(", ")
+        let effects = deeds.effects.iter();
+        let effects = effects.map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, name(e)));
+        let raises = deeds.raises.iter().map(|&e| format!("raise {}", self.machine.events[e].name));
+        effects.chain(raises).collect::<Vec<_>>().join(", ")
     }
 
     fn guard(&self, guard: &Guard) -> String {

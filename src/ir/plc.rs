@@ -57,6 +57,8 @@ pub enum Role {
     Output,
     /// A variable of the model.
     Variable,
+    /// An event of the model, as it is in this scan.
+    Event,
     /// TRUE while a step is active; written by its N action only.
     StepFlag,
     /// A value latched at the start of the scan, or computed from such values.

@@ -59,6 +59,11 @@ impl Writer {
                 })
             })?;
         }
+        if !m.events.is_empty() {
+            self.block(format_args!("events"), |w| {
+                m.events.iter().try_for_each(|e| w.line(format_args!("{}{}", e.name.text, text(&e.description))))
+            })?;
+        }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
         for observer in &m.observers {
             let head = format!("observer {}{}", observer.name.text, text(&observer.description));
@@ -151,7 +156,8 @@ impl Writer {
             a.positions.iter().try_for_each(|p| {
                 let sensor = p.sensor.as_ref().map(|g| format!(" sensor {}", condition(g))).unwrap_or_default();
                 let output = clause("output", p.output.as_ref());
-                w.line(format_args!("position {}{output}{sensor}{}", p.name.text, text(&p.description)))
+                let limit = p.limit.as_ref().map(limit).unwrap_or_default();
+                w.line(format_args!("position {}{output}{sensor}{limit}{}", p.name.text, text(&p.description)))
             })
         })
     }
@@ -243,8 +249,16 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 }
 
 fn effects(effects: &[Effect]) -> String {
-    let one = |e: &Effect| format!("{} {}", if e.value { "set" } else { "reset" }, e.variable.text);
-    effects.iter().map(one).collect::<Vec<_>>().join(", ")
+    let verb = |e: &Effect| match e.value {
+        EffectValue::Bool(true) => "set",
+        EffectValue::Bool(false) => "reset",
+        EffectValue::Raised => "raise",
+    };
+    effects.iter().map(|e| format!("{} {}", verb(e), e.variable.text)).collect::<Vec<_>>().join(", ")
+}
+
+fn limit(limit: &Limit) -> String {
+    format!(" within {}ms else {}", limit.time.milliseconds.unwrap_or(0), effects(&limit.effects))
 }
 
 fn then(list: &[Effect]) -> String {

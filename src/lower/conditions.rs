@@ -315,6 +315,16 @@ fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
     rungs
 }
 
+/// What was raised in the scan before is TRUE from here on until the next scan.
+pub fn events(context: &mut Context<'_>) -> Vec<Rung> {
+    let mut rungs = Vec::new();
+    for (event, (now, next)) in context.machine.events.values().zip(context.events.clone()) {
+        let text = format!("{} was raised in the scan before", event.name);
+        rung(context, &mut rungs, (now, CoilKind::Plain), &Expr::Atom(next), text);
+    }
+    rungs
+}
+
 /// Two coils per input whose past is read: what it was, and what it is for the next scan. In the
 /// first scan, when nothing has started yet, it was what it is.
 pub fn previous_values(context: &mut Context<'_>) -> Vec<Rung> {

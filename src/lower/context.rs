@@ -20,6 +20,8 @@ pub struct Context<'m> {
     pub inputs: Vec<GlobalId>,
     pub outputs: Vec<GlobalId>,
     pub variables: Vec<GlobalId>,
+    /// For each event, its value in this scan, and whether it is raised for the next one.
+    pub events: Vec<(GlobalId, GlobalId)>,
     /// For each state, TRUE while its step is active.
     pub flags: Vec<GlobalId>,
     /// For each output, what the chart wants of it; filled by the pass that computes it.
@@ -67,6 +69,7 @@ impl<'m> Context<'m> {
             inputs: Vec::new(),
             outputs: Vec::new(),
             variables: Vec::new(),
+            events: Vec::new(),
             flags: Vec::new(),
             commands: Vec::new(),
             entries: Entries::of(machine),
@@ -86,6 +89,13 @@ impl<'m> Context<'m> {
                 origin,
             });
             context.variables.push(id);
+        }
+        for e in machine.events.values() {
+            let origin = origin(format!("event {}", e.name), e.span);
+            let now = context.global(e.name.clone(), Role::Event, e.description.clone(), origin.clone());
+            let name = context.names.give("Raise", &e.name);
+            let next = context.global(name, Role::Condition, format!("{} is raised for the next scan", e.name), origin);
+            context.events.push((now, next));
         }
         for (id, state) in machine.states.iter() {
             let name = context.names.state("X", id);
@@ -174,6 +184,7 @@ impl<'m> Context<'m> {
             Atom::PrevInput(i) => self.previous(i.index()),
             Atom::PrevOutput(o) => self.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Event(e) => self.events[e.index()].0,
             Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
                 unreachable!("{atom:?} depends on where it is read")
             }

@@ -1,7 +1,7 @@
 //! Machine to PLC project. It cannot fail on a machine that [`check`](crate::check) accepts.
 //!
 //! Gone after it: the hierarchy (each region is an SFC that its parent's flag starts and stops),
-//! guards over states (latched conditions), effects and actions (set and reset coils), drives (one
+//! guards over states (latched conditions), effects and actions (set and reset coils), events (a coil for the next scan), drives (one
 //! rung per output), constraints (rungs of the filter).
 //!
 //! The programs of the one task, in the order in which it runs them:
@@ -52,7 +52,8 @@ pub fn lower(machine: &Machine) -> Project {
     let variables = variables::lower(&mut context, ChartKind::Control);
     let outputs = outputs::lower(&mut context);
     let filter = filter::lower(&mut context);
-    let before_charts = conditions::finish(&mut context);
+    let mut before_charts = conditions::events(&mut context);
+    before_charts.extend(conditions::finish(&mut context));
     let mut past = conditions::previous_values(&mut context);
     let before_charts = if observers.is_empty() {
         past.extend(before_charts);

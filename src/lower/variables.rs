@@ -1,8 +1,9 @@
-//! Effects and actions to set and reset coils.
+//! Effects and actions to set and reset coils, events to plain ones.
 //!
 //! First what happened once, in the order of [`Step`]; of what has the same place there, only one
-//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read variables as the transitions left them; where one reads a
-//! variable that an action writes, all conditions are taken down in coils before anything is written.
+//! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read
+//! variables as the transitions left them; where one reads a variable that an action writes, all
+//! conditions are taken down in coils before anything is written.
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
@@ -62,7 +63,33 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
             rung(context, &mut rungs, coil, &Expr::any(by), format!("active states that {verb} {}", v.name));
         }
     }
+    if kind == ChartKind::Control {
+        raised(context, &mut rungs);
+    }
     Ladder { rungs }
+}
+
+/// One coil per event: whether anything raises it in this scan.
+fn raised(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let machine = context.machine;
+    let mut by: Vec<Vec<Condition>> = vec![Vec::new(); machine.events.len()];
+    for (id, t) in machine.transitions.iter() {
+        for event in &t.deeds.raises {
+            by[event.index()].push(Expr::Atom(context.fires(id)));
+        }
+    }
+    for (id, state) in machine.states.iter() {
+        for event in &state.exit.raises {
+            by[event.index()].push(left(context, id));
+        }
+        for event in &state.entry.raises {
+            by[event.index()].push(entered(context, id));
+        }
+    }
+    for (by, (_, next)) in by.into_iter().zip(context.events.clone()) {
+        let text = context.globals[next].description.clone();
+        rung(context, rungs, (next, CoilKind::Plain), &Expr::any(by), text);
+    }
 }
 
 /// What transitions write, each with the coil that says that it fires.

@@ -22,6 +22,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         inputs: Vec::new(),
         outputs: Vec::new(),
         variables: Vec::new(),
+        events: Vec::new(),
         actuators: Vec::new(),
         observers: Vec::new(),
         charts: Vec::new(),
@@ -33,10 +34,11 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         match p.as_rule() {
             Rule::name => tree.name = name(p),
             Rule::text => tree.description = Some(text(p)),
-            Rule::cycle => tree.cycles.push(duration(p)),
+            Rule::cycle => tree.cycles.push(duration_in(p)),
             Rule::inputs => entries(p, bad, &mut tree.inputs, signal),
             Rule::outputs => entries(p, bad, &mut tree.outputs, signal),
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
+            Rule::events => entries(p, bad, &mut tree.events, event),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
             Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
@@ -73,18 +75,21 @@ pub fn number(p: &Pair<'_, Rule>) -> Option<u32> {
 fn entries<'i, T>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<T>, build: impl Fn(Pair<'i, Rule>) -> T) {
     for p in p.into_inner() {
         match p.as_rule() {
-            Rule::signal | Rule::variable => into.push(build(p)),
-            Rule::bad_signal | Rule::bad_variable => bad.push(p),
+            Rule::signal | Rule::variable | Rule::event => into.push(build(p)),
+            Rule::bad_signal | Rule::bad_variable | Rule::bad_event => bad.push(p),
             _ => {}
         }
     }
 }
 
 /// The duration that stands in `p`.
+fn duration_in(p: Pair<'_, Rule>) -> Duration {
+    duration(p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here"))
+}
+
 fn duration(p: Pair<'_, Rule>) -> Duration {
-    let duration = p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here");
-    let span = span(&duration);
-    let mut parts = duration.into_inner();
+    let span = span(&p);
+    let mut parts = p.into_inner();
     let value = parts.next().as_ref().and_then(number);
     let seconds = parts.next().is_some_and(|u| u.as_str() == "s");
     let milliseconds = value.and_then(|v| v.checked_mul(if seconds { 1000 } else { 1 }));
@@ -116,6 +121,18 @@ fn variable(p: Pair<'_, Rule>) -> Variable {
         }
     }
     variable
+}
+
+fn event(p: Pair<'_, Rule>) -> Event {
+    let mut event = Event { name: Name { text: String::new(), span: span(&p) }, description: None };
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::name => event.name = name(p),
+            Rule::text => event.description = Some(text(p)),
+            _ => {}
+        }
+    }
+    event
 }
 
 fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
@@ -154,8 +171,8 @@ fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
 }
 
 fn position(p: Pair<'_, Rule>) -> Position {
-    let mut position =
-        Position { name: Name { text: String::new(), span: span(&p) }, output: None, sensor: None, description: None };
+    let named = Name { text: String::new(), span: span(&p) };
+    let mut position = Position { name: named, output: None, sensor: None, limit: None, description: None };
     let mut output = false;
     for p in p.into_inner() {
         match p.as_rule() {
@@ -163,11 +180,25 @@ fn position(p: Pair<'_, Rule>) -> Position {
             Rule::name if output => position.output = Some(name(p)),
             Rule::name => position.name = name(p),
             Rule::expression => position.sensor = Some(guard(p)),
+            Rule::limit => position.limit = Some(limit(p)),
             Rule::text => position.description = Some(text(p)),
             _ => {}
         }
     }
     position
+}
+
+fn limit(p: Pair<'_, Rule>) -> Limit {
+    let whole = span(&p);
+    let (mut time, mut effects) = (None, Vec::new());
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::duration => time = Some(duration(p)),
+            Rule::effect => effects.extend(effect(p)),
+            _ => {}
+        }
+    }
+    Limit { time: time.expect("a limit has a time"), effects, span: whole }
 }
 
 fn chart<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Chart {
@@ -295,8 +326,11 @@ fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     if p.as_rule() != Rule::effect {
         return None;
     }
-    let value = p.as_str().starts_with("set");
-    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect names a variable");
+    let value = match p.as_str() {
+        text if text.starts_with("raise") => EffectValue::Raised,
+        text => EffectValue::Bool(text.starts_with("set")),
+    };
+    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect has a name");
     Some(Effect { variable, value })
 }
 
@@ -489,7 +523,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),
         Rule::kw_blocked => Expr::Atom(Term::Blocked(place)),
-        Rule::elapsed => Expr::Atom(Term::After(duration(inner))),
+        Rule::elapsed => Expr::Atom(Term::After(duration_in(inner))),
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
             let mut parts = inner.into_inner();

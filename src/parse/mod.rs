@@ -84,6 +84,7 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_part => Rule::lone_part,
         Rule::bad_signal => Rule::lone_signal,
         Rule::bad_variable => Rule::lone_variable,
+        Rule::bad_event => Rule::lone_event,
         Rule::bad_position => Rule::lone_position,
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,

@@ -31,6 +31,8 @@ pub struct ChartState {
     pub inputs: Vec<Lit>,
     /// For each output, what the filter let through in the last scan.
     pub outputs: Vec<Lit>,
+    /// For each event, whether it was raised in the last scan.
+    pub raised: Vec<Lit>,
     /// For each [timer](ChartStep::timers), whether its state was entered in the last scan.
     pub fresh: Vec<Lit>,
     /// For each timer, whether its state is active and its time had passed in the last scan.
@@ -40,10 +42,10 @@ pub struct ChartState {
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, timers, the filter's marks.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, fresh, past, marks } = self;
-        [active, variables, inputs, outputs, fresh, past, marks].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks } = self;
+        [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten().copied().collect()
     }
 }
 
@@ -52,6 +54,8 @@ impl ChartState {
 pub struct ChartScan {
     /// What is remembered; its outputs are those of this scan.
     pub after: ChartState,
+    /// For each event, whether it is TRUE.
+    pub events: Vec<Lit>,
     /// For each transition, whether it fires.
     pub fires: Vec<Lit>,
     /// For each output, whether an active state drives it.
@@ -108,6 +112,7 @@ impl<'m> ChartStep<'m> {
             variables: m.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.to_vec(),
             outputs: vec![Lit::FALSE; m.outputs.len()],
+            raised: vec![Lit::FALSE; m.events.len()],
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
@@ -144,9 +149,12 @@ impl<'m> ChartStep<'m> {
     /// What comes of the transitions that fire; with `start` the outermost regions are entered.
     fn move_on(&self, aig: &mut Aig, now: &mut Now, fires: &[Lit], start: Lit) {
         let moves = self.configuration(aig, &now.active, fires, start);
-        now.variables = self.happen(aig, &now.variables, fires, &moves);
+        let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
+        now.variables = variables;
         now.active = moves.active;
-        for (all, one) in [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires)] {
+        let gathered =
+            [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
+        for (all, one) in gathered {
             all.iter_mut().zip(one).for_each(|(all, &one)| *all = aig.or(*all, one));
         }
     }
@@ -233,10 +241,10 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What becomes of variables by what happens once: what states do when they are left, from the inside
-    /// out, transitions, those of outer regions first, what states do when they are entered, from the
-    /// outside in. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> Vec<Lit> {
+    /// What becomes of variables by what happens once, and which events are raised: what states do when
+    /// they are left, from the inside out, transitions, those of outer regions first, what states do when
+    /// they are entered, from the outside in. What comes later wins.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
         let m = self.machine;
         let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
@@ -248,6 +256,11 @@ impl<'m> ChartStep<'m> {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
             steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
         }
+        let mut raisers = vec![Vec::new(); m.events.len()];
+        for (happens, deeds) in steps.values().flatten() {
+            deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
+        }
+        let raised = raisers.iter().map(|by| aig.any(by)).collect();
         let mut variables = before.to_vec();
         for step in steps.values() {
             let mut writes: BTreeMap<VariableId, [Vec<Lit>; 2]> = BTreeMap::new();
@@ -260,7 +273,7 @@ impl<'m> ChartStep<'m> {
                 variables[v.index()] = write(aig, variables[v.index()], &writes);
             }
         }
-        variables
+        (variables, raised)
     }
 
     /// Everything after the charts' steps.
@@ -294,7 +307,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, entered, fires } = now;
+        let Now { active, variables, entered, fires, raised } = now;
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -307,11 +320,13 @@ impl<'m> ChartStep<'m> {
             variables,
             inputs: given.inputs.to_vec(),
             outputs: filtered.outputs,
+            raised,
             fresh,
             past,
             marks: filtered.marks,
         };
-        ChartScan { after, fires, commands, acted: filtered.acted, broken, begins, seen }
+        let events = given.before.raised.clone();
+        ChartScan { after, events, fires, commands, acted: filtered.acted, broken, begins, seen }
     }
 }
 
@@ -322,6 +337,8 @@ struct Now {
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
+    /// For each event, whether it has been raised.
+    raised: Vec<Lit>,
 }
 
 impl Now {
@@ -331,6 +348,7 @@ impl Now {
             variables: before.variables.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
+            raised: vec![Lit::FALSE; machine.events.len()],
         }
     }
 }
@@ -390,6 +408,7 @@ impl Reading<'_> {
             }
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
+            Atom::Event(e) => self.given.before.raised[e.index()],
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {

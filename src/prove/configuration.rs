@@ -35,6 +35,7 @@ pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (State
         past,
         variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
         inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
+        raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
         outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
         marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
     }

@@ -18,6 +18,10 @@ pub struct Correspondence {
     pub outputs: Vec<String>,
     /// The global for each variable.
     pub variables: Vec<String>,
+    /// The global for each event.
+    pub events: Vec<String>,
+    /// The global for each event that is TRUE when it is raised for the next scan.
+    pub raised: Vec<Option<String>>,
     /// The global for each state that is TRUE while it is active.
     pub flags: Vec<String>,
     /// For each state, the program that holds its step, and the step; nothing where no step of its own
@@ -81,6 +85,8 @@ impl Correspondence {
             inputs: machine.inputs.values().map(|i| or_own(Role::Input, i.span, &i.name)).collect(),
             outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
+            events: machine.events.values().map(|e| or_own(Role::Event, e.span, &e.name)).collect(),
+            raised: machine.events.values().map(|e| find(Role::Condition, e.span)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
@@ -113,5 +119,6 @@ fn rank(role: Role) -> u8 {
         Role::Acted => 8,
         Role::Noted => 9,
         Role::First => 10,
+        Role::Event => 11,
     }
 }

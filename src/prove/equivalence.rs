@@ -256,7 +256,9 @@ fn describe(machine: &Machine, s: &Situation) -> String {
     let variables = machine.variables.values().map(|v| v.name.clone());
     let inputs = machine.inputs.values().map(|i| format!("prev({})", i.name));
     let outputs = machine.outputs.values().map(|o| format!("prev({})", o.name));
-    let remembered = s.memory.iter().skip(machine.states.len()).zip(variables.chain(inputs).chain(outputs));
+    let events = machine.events.values().map(|e| format!("raised({})", e.name));
+    let names = variables.chain(inputs).chain(outputs).chain(events);
+    let remembered = s.memory.iter().skip(machine.states.len()).zip(names);
     parts.extend(remembered.filter(|(v, _)| **v).map(|(_, name)| name));
     let now = s.inputs.iter().zip(machine.inputs.values());
     parts.extend(now.filter(|(v, _)| **v).map(|(_, input)| input.name.clone()));

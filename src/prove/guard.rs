@@ -81,6 +81,7 @@ fn condition(cut: &mut Cut, guard: &Guard, outputs: &[Lit]) -> Lit {
         Atom::Output(o) => outputs[o.index()],
         Atom::PrevOutput(o) => before.outputs[o.index()],
         Atom::Variable(v) => chart.after.variables[v.index()],
+        Atom::Event(e) => before.raised[e.index()],
         Atom::In(s) => chart.seen[s.index()],
         Atom::Done(_) | Atom::After(..) => unreachable!("of states, constraints ask only whether they are active"),
     })

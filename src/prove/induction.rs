@@ -269,6 +269,7 @@ impl<'a> Both<'a> {
             variables: pair.machine.variables.values().map(|v| Lit::of(v.initial)).collect(),
             inputs: inputs.clone(),
             outputs: none(pair.machine.outputs.len()),
+            raised: none(pair.machine.events.len()),
             fresh: none(timers),
             past: none(timers),
             marks: none(pair.machine.safety.marks().count()),

@@ -97,6 +97,7 @@ impl Joint {
             variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
             inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
             outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
+            raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
             marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),

@@ -75,11 +75,15 @@ impl Match {
         for (id, name) in machine.variables.ids().zip(&names.variables) {
             add(Part::Variable(id), name)?;
         }
+        for (id, name) in machine.events.ids().zip(&names.events) {
+            add(Part::Event(id), name)?;
+        }
+        let raised = machine.events.ids().map(Part::Raised).zip(&names.raised);
         let commands = machine.outputs.ids().map(Part::Command).zip(&names.commands);
         let acted = machine.safety.constraints.ids().map(Part::Acted).zip(&names.acted);
         let broken = (0..names.broken.len()).map(Part::Broken).zip(&names.broken);
         let marks = machine.safety.marks().enumerate().map(|(i, mark)| Part::Mark(mark, i)).zip(&names.marks);
-        for (part, name) in commands.chain(acted).chain(broken).chain(marks) {
+        for (part, name) in raised.chain(commands).chain(acted).chain(broken).chain(marks) {
             if let Some(name) = name {
                 add(part, name)?;
             }

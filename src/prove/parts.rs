@@ -3,7 +3,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, InputId, Machine, Mark, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, VariableId};
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +16,10 @@ pub enum Part {
     Output(OutputId),
     /// The variable's value.
     Variable(VariableId),
+    /// Whether the event is TRUE.
+    Event(EventId),
+    /// Whether the event is raised for the next scan.
+    Raised(EventId),
     /// Whether an active state drives the output.
     Command(OutputId),
     /// Whether the constraint had to act.
@@ -48,6 +52,8 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => scan.after.active[s.index()],
             Part::Output(o) => scan.after.outputs[o.index()],
             Part::Variable(v) => scan.after.variables[v.index()],
+            Part::Event(e) => scan.events[e.index()],
+            Part::Raised(e) => scan.after.raised[e.index()],
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
@@ -63,6 +69,8 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => format!("state {}", machine.state_path(s)),
             Part::Output(o) => format!("output {}", machine.outputs[o].name),
             Part::Variable(v) => format!("variable {}", machine.variables[v].name),
+            Part::Event(e) => format!("event {}", machine.events[e].name),
+            Part::Raised(e) => format!("event {} is raised", machine.events[e].name),
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
@@ -79,8 +87,9 @@ impl Part {
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
+            Part::Raised(e) => Some(Meaning::Raised(e, true)),
             Part::Mark(mark, i) => Some(Meaning::Mark(mark, i, true)),
-            Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
+            Part::Event(_) | Part::Command(_) | Part::Acted(_) | Part::Broken(_) | Part::Begins(_) => None,
         }
     }
 }
@@ -99,6 +108,8 @@ pub enum Meaning {
     Output(OutputId, bool),
     /// The variable's value.
     Variable(VariableId, bool),
+    /// Whether the event was raised in the last scan.
+    Raised(EventId, bool),
     /// What the filter remembers, and its place among the marks.
     Mark(Mark, usize, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
@@ -116,6 +127,7 @@ impl Meaning {
             Meaning::Input(i, same) => state.inputs[i.index()].xor(!same),
             Meaning::Output(o, same) => state.outputs[o.index()].xor(!same),
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
+            Meaning::Raised(e, same) => state.raised[e.index()].xor(!same),
             Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
@@ -130,6 +142,7 @@ impl Meaning {
             | Meaning::Active(..)
             | Meaning::Input(..)
             | Meaning::Output(..)
+            | Meaning::Raised(..)
             | Meaning::Variable(..)
             | Meaning::Mark(..) => Lit::TRUE,
         }
@@ -144,6 +157,7 @@ impl Meaning {
             Meaning::Input(i, same) => Meaning::Input(i, !same),
             Meaning::Output(o, same) => Meaning::Output(o, !same),
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
+            Meaning::Raised(e, same) => Meaning::Raised(e, !same),
             Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
@@ -156,8 +170,9 @@ impl Meaning {
         let outputs = machine.outputs.ids().map(|o| Meaning::Output(o, true));
         let variables = machine.variables.ids().map(|v| Meaning::Variable(v, true));
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
+        let raised = machine.events.ids().map(|e| Meaning::Raised(e, true));
         let marks = machine.safety.marks().enumerate().map(|(i, mark)| Meaning::Mark(mark, i, true));
-        inputs.chain(outputs).chain(variables).chain(states).chain(marks).collect()
+        inputs.chain(outputs).chain(variables).chain(raised).chain(states).chain(marks).collect()
     }
 
     /// What it is, in the model's names.
@@ -168,6 +183,7 @@ impl Meaning {
             Meaning::Input(i, same) => (same, format!("prev({})", machine.inputs[i].name)),
             Meaning::Output(o, same) => (same, format!("prev({})", machine.outputs[o].name)),
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
+            Meaning::Raised(e, same) => (same, format!("event {} was raised", machine.events[e].name)),
             Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),

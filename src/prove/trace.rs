@@ -97,9 +97,10 @@ impl fmt::Display for Trace {
                 let (chart, program) = (scan.chart[i], scan.program[i]);
                 let changes = |value: bool, was: Option<bool>| value != was.unwrap_or(false);
                 let shown = match compared.part {
-                    // The same as flag or input as long as nothing is wrong.
-                    Part::Step(_) | Part::Input(_) | Part::Begins(_) => false,
+                    // The same as flag, input or event as long as nothing is wrong.
+                    Part::Step(_) | Part::Input(_) | Part::Raised(_) | Part::Begins(_) => false,
                     Part::Flag(_)
+                    | Part::Event(_)
                     | Part::Output(_)
                     | Part::Variable(_)
                     | Part::Command(_)

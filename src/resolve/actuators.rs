@@ -59,7 +59,13 @@ fn positions(r: &mut Resolver, actuator: &ast::Actuator) -> Vec<chart::Position>
         if actuator.technology != ast::Technology::OnOff || !actuator.positions.is_empty() {
             shape(r, actuator, "`by` is the short form of an on/off actuator without sensors");
         }
-        let position = |name: &str, output| chart::Position { name: name.into(), output, sensor: None, span: by.span };
+        let position = |name: &str, output| chart::Position {
+            name: name.into(),
+            output,
+            sensor: None,
+            limit: None,
+            span: by.span,
+        };
         return vec![position("Off", None), position("On", output)];
     }
     let mut positions: Vec<chart::Position> = Vec::new();
@@ -70,7 +76,11 @@ fn positions(r: &mut Resolver, actuator: &ast::Actuator) -> Vec<chart::Position>
         }
         let output = p.output.as_ref().and_then(|o| r.output(o));
         let sensor = p.sensor.as_ref().map(|g| r.guard(g, &Context::Sensor));
-        positions.push(chart::Position { name: p.name.text.clone(), output, sensor, span: p.name.span });
+        let limit = p.limit.as_ref().and_then(|l| {
+            let (time, deeds) = (r.time(&l.time), r.deeds(&l.effects, "this limit"));
+            Some(chart::Limit { time: time?, deeds, span: l.span })
+        });
+        positions.push(chart::Position { name: p.name.text.clone(), output, sensor, limit, span: p.name.span });
     }
     let driven: Vec<bool> = actuator.positions.iter().map(|p| p.output.is_some()).collect();
     match (actuator.technology, driven.as_slice()) {

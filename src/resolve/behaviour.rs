@@ -39,12 +39,20 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
 impl Resolver {
     /// What happens once; `what` says in a message what it belongs to.
     pub fn deeds(&mut self, written: &[ast::Effect], what: &str) -> chart::Deeds {
-        let mut effects: Vec<chart::Effect> = Vec::new();
+        let mut deeds = chart::Deeds::default();
         for effect in written {
+            let value = match effect.value {
+                ast::EffectValue::Bool(value) => value,
+                ast::EffectValue::Raised => {
+                    let event = self.event(&effect.variable).filter(|e| !deeds.raises.contains(e));
+                    deeds.raises.extend(event);
+                    continue;
+                }
+            };
             let Some(variable) = self.variable(&effect.variable) else { continue };
-            match effects.iter().find(|e| e.variable == variable) {
-                None => effects.push(chart::Effect { variable, value: effect.value, span: effect.variable.span }),
-                Some(first) if first.value == effect.value => {}
+            match deeds.effects.iter().find(|e| e.variable == variable) {
+                None => deeds.effects.push(chart::Effect { variable, value, span: effect.variable.span }),
+                Some(first) if first.value == value => {}
                 Some(first) => self.diagnostics.push(
                     Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", effect.variable.text))
                         .label(effect.variable.span, "and here the other")
@@ -52,7 +60,7 @@ impl Resolver {
                 ),
             }
         }
-        chart::Deeds { effects }
+        deeds
     }
 }
 

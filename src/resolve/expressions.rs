@@ -97,16 +97,18 @@ impl Resolver {
             );
             return Expr::FALSE;
         };
-        match time.milliseconds {
-            Some(ms @ 1..=LONGEST_TIME) => Expr::Atom(Atom::After(*source, ms)),
-            _ => {
-                self.diagnostics.push(
-                    Diagnostic::new(Code::BadTime, "a time takes from 1 ms to one day")
-                        .label(time.span, "out of range"),
-                );
-                Expr::FALSE
-            }
+        self.time(time).map_or(Expr::FALSE, |ms| Expr::Atom(Atom::After(*source, ms)))
+    }
+
+    /// A time that a state can wait for, in milliseconds, or an error.
+    pub fn time(&mut self, time: &ast::Duration) -> Option<u32> {
+        let ms = time.milliseconds.filter(|ms| (1..=LONGEST_TIME).contains(ms));
+        if ms.is_none() {
+            self.diagnostics.push(
+                Diagnostic::new(Code::BadTime, "a time takes from 1 ms to one day").label(time.span, "out of range"),
+            );
         }
+        ms
     }
 
     /// The symbol that a path of one word means; reports what is none.
@@ -143,11 +145,19 @@ impl Resolver {
                 | Context::Expectation,
             ) => Expr::Atom(Atom::Variable(id)),
             (
+                Symbol::Event(id),
+                Context::Guard { .. }
+                | Context::Active { .. }
+                | Context::Constraint
+                | Context::Assumption
+                | Context::Expectation,
+            ) => Expr::Atom(Atom::Event(id)),
+            (
                 Symbol::Output(id),
                 Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
             ) => Expr::Atom(Atom::Output(id)),
-            (Symbol::Variable(_), Context::Plant) => {
-                self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
+            (Symbol::Variable(_) | Symbol::Event(_), Context::Plant) => {
+                self.plant_reads(path.span(), &format!("`{name}` is {} of the program", kind(symbol)));
                 Expr::FALSE
             }
             (Symbol::Bit(_), _) => self.hidden(path),
@@ -164,7 +174,9 @@ impl Resolver {
                 );
                 Expr::FALSE
             }
-            (Symbol::Output(_) | Symbol::Variable(_), Context::Sensor) => self.only_inputs(path, symbol),
+            (Symbol::Output(_) | Symbol::Variable(_) | Symbol::Event(_), Context::Sensor) => {
+                self.only_inputs(path, symbol)
+            }
         }
     }
 
@@ -174,7 +186,7 @@ impl Resolver {
             (_, Context::Sensor) => self.only_inputs(path, symbol),
             (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
             (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
-            (Symbol::Variable(_), _) => self.no_past(path),
+            (Symbol::Variable(_) | Symbol::Event(_), _) => self.no_past(path, symbol),
             (Symbol::Bit(_), _) => self.hidden(path),
         }
     }
@@ -190,7 +202,7 @@ impl Resolver {
             ) => (Atom::Output(id), Atom::PrevOutput(id)),
             (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
-            (Symbol::Variable(_), _) => return self.no_past(path),
+            (Symbol::Variable(_) | Symbol::Event(_), _) => return self.no_past(path, symbol),
         };
         let (now, before) = (Expr::Atom(now), Expr::Atom(before));
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
@@ -225,9 +237,9 @@ impl Resolver {
             Context::Constraint | Context::Assumption => return self.knows_no_states(path, context),
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
-        let found = match (self.chart(parts[0].0), &parts[1..], context) {
-            // From outside, the name of a chart may stand before the path.
-            (Some(region), rest @ [_, ..], Context::Expectation) => self.state(rest, Some(region)),
+        let found = match (self.chart(parts[0].0), &parts[1..]) {
+            // The name of a chart may stand before the path.
+            (Some(first), rest @ [_, ..]) => self.state_of_chart(&parts[0], rest, first),
             _ => self.state(&parts, region),
         };
         let Some(state) = found else { return Expr::FALSE };
@@ -293,13 +305,17 @@ impl Resolver {
         );
     }
 
-    fn no_past(&mut self, path: &PathRef) -> Guard {
+    fn no_past(&mut self, path: &PathRef, symbol: Symbol) -> Guard {
         let name = &path.parts[0].0;
+        let help = match symbol {
+            Symbol::Event(_) => format!("`{name}` is TRUE for one scan only: write `{name}` itself"),
+            _ => format!("guards read `{name}` as it was before the step anyway"),
+        };
         self.misplaced(
-            &format!("`{name}` is a variable: it has no previous value"),
+            &format!("`{name}` is {}: it has no previous value", kind(symbol)),
             path.span(),
             "an input or output is expected here",
-            &format!("guards read `{name}` as it was before the step anyway"),
+            &help,
         );
         Expr::FALSE
     }

@@ -6,7 +6,7 @@
 //!
 //! The steps run in this order, each in a file of its own:
 //!
-//! 1. [`signals`]: inputs, outputs, variables
+//! 1. [`signals`]: inputs, outputs, variables, events
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: observers, charts, regions and states, movements among them
 //! 4. [`transitions`]: transitions and what they do

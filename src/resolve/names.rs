@@ -13,6 +13,7 @@ pub enum Symbol {
     Input(chart::InputId),
     Output(chart::OutputId),
     Variable(chart::VariableId),
+    Event(chart::EventId),
     Bit(BitId),
 }
 
@@ -63,7 +64,7 @@ impl Resolver {
         );
     }
 
-    /// Enters an input, output or variable; its name goes into the PLC as it is.
+    /// Enters an input, output, variable or event; its name goes into the PLC as it is.
     pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
         self.legal(name);
         if iec::is_keyword(&name.text) {
@@ -186,6 +187,17 @@ impl Resolver {
         }
     }
 
+    /// The event of that name, or an error.
+    pub fn event(&mut self, name: &ast::Name) -> Option<chart::EventId> {
+        match self.symbol(&name.text) {
+            Some(Symbol::Event(id)) => Some(id),
+            other => {
+                self.wrong_symbol(name, other, "an event");
+                None
+            }
+        }
+    }
+
     /// The actuator of that name, or an error.
     pub fn actuator(&mut self, name: &ast::Name) -> Option<chart::ActuatorId> {
         let found = self.names.actuators.get(&iec::fold(&name.text)).map(|(id, _)| *id);
@@ -243,6 +255,26 @@ impl Resolver {
         let folded = iec::fold(name);
         let chart = self.machine.charts.iter().find(|c| iec::fold(&c.name) == folded)?;
         (!self.names.everywhere.contains_key(&folded)).then(|| chart.regions.first().copied()).flatten()
+    }
+
+    /// The state that `parts` mean in the chart of that name and first region.
+    pub fn state_of_chart(
+        &mut self,
+        chart: &(&str, Span),
+        parts: &[(&str, Span)],
+        first: chart::RegionId,
+    ) -> Option<chart::StateId> {
+        let found = self.state(parts, Some(first))?;
+        let of = |region: chart::RegionId| self.machine.regions[region].chart;
+        if of(self.machine.states[found].region) == of(first) {
+            return Some(found);
+        }
+        let path = self.machine.state_path(found);
+        self.diagnostics.push(
+            Diagnostic::new(Code::UnknownName, format!("`{}` holds no `{path}`", chart.0))
+                .label(parts[0].1, "a state of another chart"),
+        );
+        None
     }
 
     /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
@@ -373,6 +405,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Input(_) => "an input",
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
+        Symbol::Event(_) => "an event",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

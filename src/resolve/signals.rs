@@ -1,4 +1,4 @@
-//! Declared inputs, outputs, variables and hidden bits to those of the machine, with their addresses.
+//! Declared inputs, outputs, variables, events and hidden bits to those of the machine, with their addresses.
 
 use super::Resolver;
 use super::names::{Symbol, describe};
@@ -31,6 +31,11 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             span: variable.name.span,
         });
         r.declare_symbol(&variable.name, Symbol::Variable(id));
+    }
+    for event in &tree.events {
+        let (name, span) = (event.name.text.clone(), event.name.span);
+        let id = r.machine.events.push(chart::Event { name, description: describe(&event.description), span });
+        r.declare_symbol(&event.name, Symbol::Event(id));
     }
     // Declared here, so that a condition of the program that names one is told what it is.
     for hidden in tree.plants.iter().flat_map(|p| &p.hidden) {

@@ -29,6 +29,51 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     for t in found {
         r.machine.transitions.push(t);
     }
+    limits(r);
+}
+
+/// Time limits of positions to internal transitions of the movements there. They come after all others,
+/// so that they are tried last.
+fn limits(r: &mut Resolver) {
+    let mut found = Vec::new();
+    let mut used = std::collections::BTreeSet::new();
+    for (id, state) in r.machine.states.iter() {
+        let StateKind::Movement { to } = state.kind else { continue };
+        let Some(actuator) = r.machine.regions[state.region].actuator else { continue };
+        let Some(limit) = r.machine.actuators[actuator].positions.get(to).and_then(|p| p.limit.as_ref()) else {
+            continue;
+        };
+        used.insert((actuator, to));
+        found.push(chart::Transition {
+            source: id,
+            target: id,
+            internal: true,
+            scope: state.region,
+            phase: chart::Phase::Start,
+            guard: Expr::Atom(Atom::After(id, limit.time)),
+            deeds: limit.deeds.clone(),
+            priority: None,
+            description: String::new(),
+            span: limit.span,
+        });
+    }
+    for t in found {
+        r.machine.transitions.push(t);
+    }
+    for (id, actuator) in r.machine.actuators.iter() {
+        for (i, position) in actuator.positions.iter().enumerate() {
+            if let (Some(limit), false) = (&position.limit, used.contains(&(id, i))) {
+                r.diagnostics.push(
+                    Diagnostic::new(
+                        Code::LimitWithoutMovement,
+                        format!("no movement of `{}` leads to `{}`", actuator.name, position.name),
+                    )
+                    .label(limit.span, "a time limit of no movement")
+                    .help("write `move from … to …` where it moves, or leave the limit out"),
+                );
+            }
+        }
+    }
 }
 
 fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, into: &mut Vec<chart::Transition>) {

@@ -30,7 +30,7 @@ mod code;
 mod filter;
 mod steps;
 
-use crate::ir::chart::{ConstraintId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
+use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
 use std::ops::Range;
@@ -117,7 +117,7 @@ impl Chart {
             memory: Memory { words, scan: 0, entered: vec![0; machine.states.len()] },
             configuration: Configuration::of(machine),
             writes: vec![(0, 0); layout.states - layout.variables],
-            commands: vec![0; layout.variables - layout.outputs],
+            commands: vec![0; layout.events - layout.outputs],
             filter,
             code,
         };
@@ -199,8 +199,11 @@ impl Chart {
             let before = if first { now } else { *word };
             *word = now | before << HALF;
         }
-        for word in &mut self.memory.words[words..self.layout.variables] {
+        for word in &mut self.memory.words[words..self.layout.events] {
             *word <<= HALF;
+        }
+        for word in &mut self.memory.words[self.layout.events..self.layout.variables] {
+            *word >>= HALF;
         }
     }
 
@@ -277,6 +280,12 @@ impl Chart {
     /// The variable's value after the last scan.
     pub fn variable(&self, variable: VariableId) -> bool {
         let (word, bit) = self.layout.variable(variable);
+        self.memory.words[word] & bit != 0
+    }
+
+    /// Whether the event was TRUE in the last scan.
+    pub fn event(&self, event: EventId) -> bool {
+        let (word, bit) = self.layout.event(event);
         self.memory.words[word] & bit != 0
     }
 

@@ -1,6 +1,6 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{Atom, ConstraintId, InputId, Machine, Mark, OutputId, StateId, StateKind, VariableId};
+use crate::ir::chart::{Atom, ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, StateKind, VariableId};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
 
@@ -10,6 +10,7 @@ pub struct Layout {
     bits: usize,
     outputs: usize,
     variables: usize,
+    events: usize,
     states: usize,
     acted: usize,
     broken: usize,
@@ -17,8 +18,8 @@ pub struct Layout {
     len: usize,
 }
 
-/// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, states,
-/// alarms of constraints, alarms of assumptions, what the filter remembers.
+/// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers.
 pub type Frame = Vec<bool>;
 
 impl Layout {
@@ -27,12 +28,13 @@ impl Layout {
         let bits = machine.inputs.len();
         let outputs = bits + machine.plant.bits.len();
         let variables = outputs + machine.outputs.len();
-        let states = variables + machine.variables.len();
+        let events = variables + machine.variables.len();
+        let states = events + machine.events.len();
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
         let marks = broken + machine.safety.assumptions.len();
         let len = marks + machine.safety.marks().count();
-        Layout { bits, outputs, variables, states, acted, broken, marks, len }
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, len }
     }
 
     /// A frame with all values FALSE.
@@ -55,7 +57,12 @@ impl Layout {
         self.outputs..self.variables
     }
 
-    /// The places of outputs and variables.
+    /// The places of events.
+    pub fn events(&self) -> Range<usize> {
+        self.events..self.states
+    }
+
+    /// The places of outputs, variables and events.
     pub fn written(&self) -> Range<usize> {
         self.outputs..self.states
     }
@@ -103,6 +110,11 @@ impl Layout {
         self.variables + variable.index()
     }
 
+    /// The place of an event.
+    pub fn event(&self, event: EventId) -> usize {
+        self.events + event.index()
+    }
+
     /// The place of a state.
     pub fn state(&self, state: StateId) -> usize {
         self.states + state.index()
@@ -134,6 +146,7 @@ impl Layout {
             Seen::Machine(Atom::Output(o)) => now[self.output(o)],
             Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
             Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
+            Seen::Machine(Atom::Event(e)) => now[self.event(e)],
             Seen::Machine(Atom::In(s)) => now[self.state(s)],
             Seen::Machine(Atom::Done(s)) => machine.states[s].regions.iter().all(|&r| {
                 let mut states = machine.regions[r].states.iter();

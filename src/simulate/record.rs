@@ -85,6 +85,7 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.plant.bits.values().map(|b| b.name.clone()));
     names.extend(machine.outputs.values().map(|o| o.name.clone()));
     names.extend(machine.variables.values().map(|v| v.name.clone()));
+    names.extend(machine.events.values().map(|e| e.name.clone()));
     names.extend(paths(machine).into_iter().map(|path| format!("in({path})")));
     names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));

@@ -65,6 +65,9 @@ impl Program {
         for (id, v) in machine.variables.iter() {
             show(layout.variable(id), find(Role::Variable, &v.name, v.span));
         }
+        for (id, e) in machine.events.iter() {
+            show(layout.event(id), find(Role::Event, &e.name, e.span));
+        }
         for (id, s) in machine.states.iter() {
             show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
         }
@@ -100,6 +103,9 @@ impl Program {
                 }
                 for id in machine.variables.ids() {
                     frame[layout.variable(id)] = chart.variable(id);
+                }
+                for id in machine.events.ids() {
+                    frame[layout.event(id)] = chart.event(id);
                 }
                 for id in machine.states.ids() {
                     frame[layout.state(id)] = chart.is_active(id);

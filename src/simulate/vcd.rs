@@ -1,6 +1,6 @@
 //! A recording to a value change dump, which GTKWave and Surfer show.
 //!
-//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `alarms`, `filter`, then one for each chart that follows its
+//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `events`, `alarms`, `filter`, then one for each chart that follows its
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
@@ -48,7 +48,8 @@ impl Dump<'_> {
         self.group("inputs", inputs.clone());
         self.group("hidden", inputs.end..layout.given().end);
         self.group("outputs", outputs.clone());
-        self.group("variables", outputs.end..layout.written().end);
+        self.group("variables", outputs.end..layout.events().start);
+        self.group("events", layout.events());
         self.group("alarms", alarms);
         self.group("filter", layout.marks());
         for chart in &machine.charts {

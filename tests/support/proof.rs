@@ -61,12 +61,13 @@ impl<'a> Simulated<'a> {
             Part::Flag(s) | Part::Step(s) => self.chart.is_active(s),
             Part::Output(o) => self.chart.output(o),
             Part::Variable(v) => self.chart.variable(v),
+            Part::Event(e) => self.chart.event(e),
             Part::Command(o) => self.chart.command(o),
             Part::Acted(c) => self.chart.acted(c),
             Part::Broken(a) => self.chart.broken(a),
             Part::Mark(mark, _) => self.chart.mark(mark),
             Part::Input(i) => self.chart.input(i),
-            Part::Begins(_) => return None,
+            Part::Raised(_) | Part::Begins(_) => return None,
         })
     }
 
@@ -83,6 +84,8 @@ impl<'a> Simulated<'a> {
             Part::Flag(s) => Some(&self.names.flags[s.index()]),
             Part::Output(o) => Some(&self.names.outputs[o.index()]),
             Part::Variable(v) => Some(&self.names.variables[v.index()]),
+            Part::Event(e) => Some(&self.names.events[e.index()]),
+            Part::Raised(e) => self.names.raised[e.index()].as_ref(),
             Part::Command(o) => self.names.commands[o.index()].as_ref(),
             Part::Acted(c) => self.names.acted[c.index()].as_ref(),
             Part::Broken(a) => self.names.broken[a].as_ref(),

@@ -80,6 +80,8 @@ struct State {
     /// Index of its position, where its region has an actuator; a movement has none.
     position: Option<usize>,
     movement: bool,
+    /// Of a movement, the position to which it leads.
+    leads_to: Option<usize>,
     /// How many transitions name it as their source.
     ways_out: usize,
     /// Drives, actions and transitions beside the regions of a parallel state.
@@ -91,6 +93,7 @@ struct Model {
     rng: Rng,
     inputs: usize,
     variables: usize,
+    events: usize,
     outputs: usize,
     actuators: Vec<Actuator>,
     regions: Vec<Region>,
@@ -130,6 +133,7 @@ impl Model {
         Model {
             inputs,
             variables: rng.below(5),
+            events: rng.below(3),
             outputs,
             actuators,
             regions: Vec::new(),
@@ -171,6 +175,9 @@ impl Model {
                 .collect();
             items.push(Item::block("variables", variables));
         }
+        if self.events > 0 {
+            items.push(Item::block("events", (0..self.events).map(|i| Item::line(format!("Ev{i}")))));
+        }
         for i in 0..self.actuators.len() {
             let Actuator { technology, outputs, short } = self.actuators[i].clone();
             let word = match technology {
@@ -187,7 +194,8 @@ impl Model {
             for (p, output) in outputs.into_iter().enumerate() {
                 let output = output.map(|o| format!(" output Out{o}")).unwrap_or_default();
                 let sensor = if technology == Technology::OnOff { String::new() } else { self.sensor() };
-                positions.push(Item::line(format!("position {}{output}{sensor}", self.position(i, p))));
+                let limit = self.limit(i, p);
+                positions.push(Item::line(format!("position {}{output}{sensor}{limit}", self.position(i, p))));
             }
             items.push(Item::block(format!("actuator Act{i} {word}"), positions));
         }
@@ -202,6 +210,22 @@ impl Model {
             1 if a != b => format!(" sensor {a} or {b}"),
             2 => format!(" sensor not {a}"),
             _ => format!(" sensor {a}"),
+        }
+    }
+
+    /// A time limit for movements to a position: if there is one, and what is late may be said there.
+    fn limit(&mut self, actuator: usize, position: usize) -> String {
+        let movements = self.states.iter().filter(|s| s.movement && self.regions[s.region].actuator == Some(actuator));
+        let regions: Vec<usize> = movements.filter(|s| s.leads_to == Some(position)).map(|s| s.region).collect();
+        let (Some(&first), true) = (regions.first(), self.rng.chance(50)) else { return String::new() };
+        // More than one region may raise an event, but not write a variable.
+        let alone = regions.iter().all(|&r| r == first);
+        let variable = if alone { self.rng.choose(&self.regions[first].variables.clone()) } else { None };
+        let time = self.rng.between(1, 80);
+        match variable {
+            Some(v) => format!(" within {time}ms else set Var{v}"),
+            None if self.events > 0 => format!(" within {time}ms else raise Ev{}", self.rng.below(self.events)),
+            None => String::new(),
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::rng::Rng;
 use chartwright::ir::chart::{
-    Atom, ConstraintId, FilterMode, Guard, Machine, Mark, OutputId, Phase, StateId, VariableId,
+    Atom, ConstraintId, EventId, FilterMode, Guard, Machine, Mark, OutputId, Phase, StateId, VariableId,
 };
 use chartwright::ir::iec::VarId;
 use chartwright::ir::plc::Role;
@@ -77,6 +77,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             Atom::Output(o) => chart.output(o),
             Atom::PrevOutput(o) => past[o.index()],
             Atom::Variable(v) => chart.variable(v),
+            Atom::Event(e) => chart.event(e),
             Atom::In(s) if machine.observes(s) => was(s),
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
@@ -130,6 +131,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
         let same = chart.active().eq(again.active())
             && chart.fired() == again.fired()
             && machine.variables.ids().all(|v| chart.variable(v) == again.variable(v))
+            && machine.events.ids().all(|e| chart.event(e) == again.event(e))
             && machine
                 .outputs
                 .ids()
@@ -148,6 +150,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
 enum Meaning {
     State(StateId),
     Variable(VariableId),
+    Event(EventId),
     Command(OutputId),
     Output(OutputId),
     Alarm(ConstraintId),
@@ -160,6 +163,7 @@ impl Meaning {
         match self {
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
+            Meaning::Event(e) => chart.event(e),
             Meaning::Command(o) => chart.command(o),
             Meaning::Output(o) => chart.output(o),
             Meaning::Alarm(c) => chart.acted(c),
@@ -192,6 +196,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
             Role::Input | Role::Condition | Role::Filter => None,
             Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
             Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
+            Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
@@ -210,6 +215,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     // Each has to be there, and once.
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
+        .chain(machine.events.ids().map(Meaning::Event))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
         .chain(machine.safety.marks().map(Meaning::Mark));

@@ -6,6 +6,7 @@
 //! | --- | --- | --- |
 //! | inputs | 32 inputs | low half: this scan; high half: the scan before |
 //! | outputs | 32 outputs | low half: this scan; high half: the scan before |
+//! | events | 32 events | low half: this scan; high half: raised for the next scan |
 //! | variables | 64 variables | |
 //! | states | 64 states | 1 while active |
 //!
@@ -18,7 +19,7 @@
 //! of its own, because it would have to be brought up to date for every state in every scan: for each
 //! state, the scan that entered it last is kept, which tells all that is asked.
 
-use crate::ir::chart::{Atom, Guard, Machine, RegionId, StateId, StateKind, VariableId};
+use crate::ir::chart::{Atom, EventId, Guard, Machine, RegionId, StateId, StateKind, VariableId};
 use crate::ir::expr::Expr;
 use std::ops::Range;
 
@@ -27,6 +28,8 @@ use std::ops::Range;
 pub struct Layout {
     /// The first word of outputs; inputs begin at 0.
     pub outputs: usize,
+    /// The first word of events.
+    pub events: usize,
     /// The first word of variables.
     pub variables: usize,
     /// The first word of states.
@@ -35,16 +38,18 @@ pub struct Layout {
     pub words: usize,
 }
 
-/// How many inputs or outputs share a word with their values of the scan before.
+/// How many inputs or outputs share a word with their values of the scan before, and events with those
+/// of the next.
 pub const HALF: usize = 32;
 
 impl Layout {
     /// The layout for all values of `machine`.
     pub fn of(machine: &Machine) -> Layout {
         let outputs = machine.inputs.len().div_ceil(HALF);
-        let variables = outputs + machine.outputs.len().div_ceil(HALF);
+        let events = outputs + machine.outputs.len().div_ceil(HALF);
+        let variables = events + machine.events.len().div_ceil(HALF);
         let states = variables + machine.variables.len().div_ceil(64);
-        Layout { outputs, variables, states, words: states + machine.states.len().div_ceil(64) }
+        Layout { outputs, events, variables, states, words: states + machine.states.len().div_ceil(64) }
     }
 
     /// The word of a state and its bit there.
@@ -57,6 +62,11 @@ impl Layout {
         (self.variables + variable.index() / 64, 1 << (variable.index() % 64))
     }
 
+    /// The word of an event and its bit there, in this scan.
+    pub fn event(&self, event: EventId) -> (usize, u64) {
+        (self.events + event.index() / HALF, 1 << (event.index() % HALF))
+    }
+
     /// The word of an atom and its bit there.
     fn bit(&self, atom: Atom) -> (usize, u64) {
         let half = |first: usize, i: usize, before: usize| (first + i / HALF, 1 << (i % HALF + before));
@@ -66,6 +76,7 @@ impl Layout {
             Atom::Output(o) => half(self.outputs, o.index(), 0),
             Atom::PrevOutput(o) => half(self.outputs, o.index(), HALF),
             Atom::Variable(v) => self.variable(v),
+            Atom::Event(e) => self.event(e),
             Atom::In(s) => self.state(s),
             Atom::Done(_) | Atom::After(..) => unreachable!("`done` is spelt out, `after` is no bit"),
         }
@@ -345,7 +356,7 @@ mod tests {
     proptest! {
         #[test]
         fn code_means_what_the_guard_means(guard in guards(), words in prop::collection::vec(any::<u64>(), 6)) {
-            let layout = Layout { outputs: 2, variables: 4, states: 5, words: 6 };
+            let layout = Layout { outputs: 2, events: 4, variables: 4, states: 5, words: 6 };
             let mut code = Code::new(layout, 10);
             let condition = code.add(&Machine::default(), &guard);
             let value = |atom: &Atom| {
@@ -361,7 +372,7 @@ mod tests {
     fn a_conjunction_over_one_word_is_one_instruction() {
         let input = |i| Expr::Atom(Atom::Input(InputId::from_index(i)));
         let before = |i| Expr::Atom(Atom::PrevInput(InputId::from_index(i)));
-        let mut code = Code::new(Layout { outputs: 1, variables: 1, states: 1, words: 1 }, 10);
+        let mut code = Code::new(Layout { outputs: 1, events: 1, variables: 1, states: 1, words: 1 }, 10);
         code.add(&Machine::default(), &Expr::all([input(0), before(0).not(), input(3), input(4).not()]));
         assert_eq!(code.ops.len(), 1);
     }

@@ -84,7 +84,7 @@ pub struct Filter {
 impl Filter {
     /// Tabulates the constraints of `machine`.
     pub fn of(machine: &Machine, layout: Layout, code: &Code) -> Filter {
-        let words = layout.variables - layout.outputs;
+        let words = layout.events - layout.outputs;
         let mut filter = Filter {
             first: layout.outputs,
             tests: Vec::new(),

@@ -15,7 +15,7 @@
 //! it: of two transitions that fire in one scan, neither leaves or enters what the other does. What
 //! states do when they are left comes before all that, because it asks which of them were active.
 
-use super::code::{Code, Condition, Layout, Memory, append, part};
+use super::code::{Code, Condition, HALF, Layout, Memory, append, part};
 use crate::ir::chart::{Atom, ChartKind, Deeds, Machine, Phase, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
@@ -323,6 +323,10 @@ fn write(deeds: &Deeds, layout: Layout, words: &mut BTreeMap<usize, (u64, u64)>)
         let (word, bit) = layout.variable(effect.variable);
         let change = words.entry(word).or_default();
         *(if effect.value { &mut change.1 } else { &mut change.0 }) |= bit;
+    }
+    for &event in &deeds.raises {
+        let (word, bit) = layout.event(event);
+        words.entry(word).or_default().1 |= bit << HALF;
     }
 }
 

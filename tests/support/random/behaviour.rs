@@ -103,6 +103,7 @@ impl Model {
             is_final: false,
             position: None,
             movement: true,
+            leads_to: self.states[target].position,
             ways_out: 1,
             lines: Vec::new(),
         });
@@ -214,6 +215,9 @@ impl Model {
     /// What happens once, if there is something that may be written in the region.
     fn deeds(&mut self, region: usize) -> Option<String> {
         let mut variables = self.regions[region].variables.clone();
+        if self.events > 0 && (variables.is_empty() || self.rng.chance(30)) {
+            return Some(format!("raise Ev{}", self.rng.below(self.events)));
+        }
         if variables.is_empty() {
             return None;
         }
@@ -319,6 +323,7 @@ impl Model {
             40..=49 => format!("rise(In{input})"),
             50..=55 => format!("fall(In{input})"),
             56..=61 => format!("prev(Out{})", self.rng.below(self.outputs)),
+            62..=66 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             76..=85 => {
                 let observed = if self.rng.chance(40) { self.observed() } else { None };

@@ -147,6 +147,7 @@ impl Model {
                 let state = self.observed().expect("there is an observer");
                 return format!("{}in({state})", self.rng.pick(&["", "not "]));
             }
+            19 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

@@ -97,6 +97,7 @@ impl Model {
                 is_final: share == 0 && self.rng.chance(25),
                 position: actuator.map(|_| self.rng.below(2)),
                 movement: false,
+                leads_to: None,
                 ways_out: 0,
                 lines: Vec::new(),
             });

@@ -1,0 +1,111 @@
+//! The safety part of a machine: what must never be, and what the filter does about it.
+
+use super::{Atom, ConstraintId, Guard, InputId, OutputId};
+use crate::base::{Arena, Span};
+use crate::ir::sop::Product;
+
+/// The safety part of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Safety {
+    /// What the filter does about a violation; nothing when the model has no constraints.
+    pub mode: Option<FilterMode>,
+    /// Where the mode stands.
+    pub span: Span,
+    /// How combined constraints are relieved.
+    pub relief: Relief,
+    /// Whose rising edge makes the filter forget which constraint acted first; there is one if, and only
+    /// if, it remembers that.
+    pub reset: Option<InputId>,
+    /// What must never be, in the order in which it is written.
+    pub constraints: Arena<Constraint>,
+    /// What the plant cannot do.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// What the filter does about a violation (seed 001).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterMode {
+    /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
+    /// what constraints make of that.
+    Blocking,
+    /// Outputs are corrected, the program goes on, each correction is an alarm.
+    Supervisor,
+    /// Outputs are corrected, and that is normal.
+    Controller,
+}
+
+/// How combined constraints are relieved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Relief {
+    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
+    #[default]
+    Together,
+    /// In sweeps, each in its turn and at once, as they are written (seed 003).
+    InOrder {
+        /// How many sweeps are made: as many as it takes at most to meet all constraints.
+        sweeps: usize,
+    },
+}
+
+/// What the filter remembers from scan to scan; FALSE before the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Mark {
+    /// A constraint has acted since the last reset. In [`FilterMode::Blocking`] the machine is stopped
+    /// while this is TRUE.
+    Noted,
+    /// The constraint acted in the scan in which this began.
+    First(ConstraintId),
+}
+
+/// A safety constraint: none of its products may be TRUE when the outputs are written.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    /// Its name.
+    pub name: String,
+    /// What it says, in words for the operator.
+    pub text: String,
+    /// What must never be TRUE, as it is written.
+    pub never: Guard,
+    /// The same split into products; none contradicts itself.
+    pub products: Vec<Product<Atom>>,
+    /// Who gives way when a combined product would be TRUE.
+    pub yields: Vec<OutputId>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// Something that the plant cannot do, over inputs, previous values and variables.
+#[derive(Clone, Debug)]
+pub struct Assumption {
+    /// Its name.
+    pub name: String,
+    /// What it says in words.
+    pub text: String,
+    /// What is never TRUE, as it is written.
+    pub never: Guard,
+    /// The same split into products.
+    pub products: Vec<Product<Atom>>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// The outputs of this scan in a product, each with whether it stands negated.
+pub fn outputs_of(product: &Product<Atom>) -> impl Iterator<Item = (OutputId, bool)> + '_ {
+    product.literals().iter().filter_map(|l| match l.atom {
+        Atom::Output(o) => Some((o, l.negated)),
+        _ => None,
+    })
+}
+
+impl Safety {
+    /// What the filter remembers, the stop first.
+    pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
+        let any = self.reset.is_some();
+        std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
+    }
+
+    /// Whether a constraint that acts is an alarm.
+    pub fn alarms(&self) -> bool {
+        self.mode != Some(FilterMode::Controller)
+    }
+}

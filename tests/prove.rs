@@ -123,12 +123,16 @@ fn all_configurations_and_no_others_are_decoded() {
         initial state A { initial state B state C state D from B to C when I from C to D when I }\n\
         parallel state P { region X { initial state E state F from E to F when I } \
         region Y { initial state G { drives O } } }\n\
-        from A to P when I\n}\n";
+        from A to P when I\nfrom P to history of A when not I\n}\n";
     let machine = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}")).machine;
     let mut graph = aig::Aig::new();
-    let state = configuration::any(&mut graph, &machine, std::iter::empty());
+    let state = configuration::any(&mut graph, &machine, &ChartStep::new(&machine, 1));
     let regions = machine.regions.ids();
-    let wrong: Vec<aig::Lit> = regions.map(|r| configuration::broken(&mut graph, &machine, r, &state.active)).collect();
+    let mut wrong = Vec::new();
+    for region in regions {
+        wrong.push(configuration::broken(&mut graph, &machine, region, &state.active));
+        wrong.push(configuration::confused(&mut graph, &machine, region, &state));
+    }
     let wrong = graph.any(&wrong);
     assert!(matches!(Sat::new().ask(&graph, &[wrong], Budget::PROOF), Answer::Never));
     let mut seen = std::collections::BTreeSet::new();
@@ -137,10 +141,12 @@ fn all_configurations_and_no_others_are_decoded() {
         let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
         let mut values = Vec::new();
         graph.simulate(&leaves, &mut values);
-        seen.insert(state.active.iter().map(|&l| aig::lanes(&values, l) & 1).collect::<Vec<_>>());
+        let remembered = state.active.iter().chain(state.last.iter().flatten());
+        seen.insert(remembered.map(|&l| aig::lanes(&values, l) & 1).collect::<Vec<_>>());
     }
-    // A with three states inside, or P with two beside one.
-    assert_eq!(seen.len(), 5);
+    // A with three states inside, of which the active one is the last; or P with two beside one, when A was
+    // left in one of the three or has never been active.
+    assert_eq!(seen.len(), 3 + 2 * 4);
 }
 
 #[test]
@@ -177,7 +183,7 @@ fn what_lemmas_exclude_never_happens() {
 
         // Any configurations, most of which cannot be reached.
         let mut graph = aig::Aig::new();
-        let any = configuration::any(&mut graph, machine, chart.timers()).bits();
+        let any = configuration::any(&mut graph, machine, &chart).bits();
         let mut rng = Rng::new(3);
         let leaves: Vec<u64> = graph.leaves().map(|_| rng.next()).collect();
         let mut values = Vec::new();

@@ -191,6 +191,12 @@ codes! {
     SetAndReset "E311" "one transition, entry or exit sets and resets a variable",
     BadTime "E312" "a time is out of range",
     NoChart "E313" "a machine has no chart",
+    NotSideBySide "E320" "the states of a fork or join are not in different regions of one parallel state",
+    NoElse "E321" "a choice does not end in its only `else`",
+    CyclicChoice "E322" "choices lead back to each other",
+    NoHistory "E323" "a state that holds no states is entered by its history",
+    BadBeginning "E324" "an initial choice does more than choose a state of its region",
+    TooManyWays "E325" "too many ways lead through choices",
     IdleInternal "E330" "an internal transition does nothing",
     LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 

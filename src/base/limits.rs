@@ -17,6 +17,9 @@ pub const REGION_STATES: usize = 149;
 /// and a program of that size is at the end of what a person and an IDE can take.
 pub const REGION_TRANSITIONS: usize = 1_000;
 
+/// Most ways that lead through choices from one place, and most choices on one way.
+pub const WAYS: usize = 64;
+
 /// Longest name that a model may give anything, in characters.
 pub const NAME_LENGTH: usize = 48;
 

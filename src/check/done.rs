@@ -7,6 +7,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     for t in machine.transitions.values() {
         guard(machine, &t.guard, t.span, found);
     }
+    for region in machine.regions.values() {
+        region.entries.iter().for_each(|(g, _)| guard(machine, g, region.span, found));
+    }
     for state in machine.states.values() {
         state.drives.iter().for_each(|d| guard(machine, &d.condition, d.span, found));
         state.actions.iter().for_each(|a| guard(machine, &a.condition, a.span, found));

@@ -3,6 +3,7 @@
 use super::dead::dead;
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::{Machine, RegionId, StateId};
+use crate::ir::expr::Expr;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut leaving = vec![Vec::new(); machine.states.len()];
@@ -23,7 +24,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     }
     while let Some(state) = walk.fresh.pop() {
         for &t in &leaving[state.index()] {
-            walk.enter(machine.transitions[t].target);
+            walk.enter(machine.transitions[t].goals());
         }
     }
     for (id, state) in machine.states.iter() {
@@ -48,16 +49,19 @@ struct Walk<'m> {
 }
 
 impl Walk<'_> {
-    /// Enters `state`: all that contains it with their other regions, and what is inside it.
-    fn enter(&mut self, state: StateId) {
-        for outer in self.machine.ancestors(state).collect::<Vec<_>>() {
-            if !std::mem::replace(&mut self.entered[outer.index()], true) {
-                self.fresh.push(outer);
-            }
-            for &region in &self.machine.states[outer].regions {
-                let on_path = || outer != state && self.machine.child_in(region, state).is_some();
-                if !self.started[region.index()] && !on_path() {
-                    self.enter_region(region);
+    /// Enters what a transition names: all that contains it with their other regions, and what is
+    /// inside it. What it enters by history has been entered before or is entered by default.
+    fn enter(&mut self, goals: &[StateId]) {
+        for &goal in goals {
+            for outer in self.machine.ancestors(goal).collect::<Vec<_>>() {
+                if !std::mem::replace(&mut self.entered[outer.index()], true) {
+                    self.fresh.push(outer);
+                }
+                for &region in &self.machine.states[outer].regions {
+                    let named = |&goal: &StateId| goal != outer && self.machine.child_in(region, goal).is_some();
+                    if !self.started[region.index()] && !goals.iter().any(named) {
+                        self.enter_region(region);
+                    }
                 }
             }
         }
@@ -65,6 +69,16 @@ impl Walk<'_> {
 
     fn enter_region(&mut self, region: RegionId) {
         self.started[region.index()] = true;
-        self.enter(self.machine.regions[region].initial);
+        let begins = &self.machine.regions[region];
+        let mut rest = Expr::TRUE;
+        for (guard, state) in &begins.entries {
+            if Expr::all([rest.clone(), guard.clone()]) != Expr::FALSE {
+                self.enter(&[*state]);
+            }
+            rest = Expr::all([rest, guard.clone().not()]);
+        }
+        if rest != Expr::FALSE {
+            self.enter(&[begins.initial]);
+        }
     }
 }

@@ -20,15 +20,18 @@ fn reads(machine: &Machine, found: &mut Diagnostics) {
         let once = state.entry.effects.iter().chain(&state.exit.effects);
         once.for_each(|e| written[e.variable.index()] = Some(e.span));
     }
-    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
-        t.guard.for_each_atom(&mut |atom| {
+    let transitions = machine.transitions.values().map(|t| (t.scope, &t.guard, t.span));
+    let entries =
+        machine.regions.iter().flat_map(|(id, r)| r.entries.iter().map(move |(guard, _)| (id, guard, r.span)));
+    for (_, guard, span) in transitions.chain(entries).filter(|(r, ..)| machine.kind(*r) == ChartKind::Observer) {
+        guard.for_each_atom(&mut |atom| {
             if let Atom::Variable(v) = *atom
                 && let Some(writer) = written[v.index()]
             {
                 let name = &machine.variables[v].name;
                 found.push(
                     Diagnostic::new(Code::ObserverReads, format!("`{name}` is a variable of a control chart"))
-                        .label(t.span, "an observer cannot see it")
+                        .label(span, "an observer cannot see it")
                         .label(writer, "a chart writes it here")
                         .help("let the observer follow what the chart does to the outputs: `prev(…)`"),
                 );
@@ -79,6 +82,9 @@ fn flat(machine: &Machine, found: &mut Diagnostics) {
         if machine.charts[region.chart].regions[0] != id {
             refuse(region.chart, region.span, "one region more", "make an observer of each region");
         }
+    }
+    for region in machine.regions.values().filter(|r| !r.entries.is_empty()) {
+        refuse(region.chart, region.span, "begins by a choice", "let it begin at an initial state");
     }
     for t in machine.transitions.values() {
         let mut waits = false;

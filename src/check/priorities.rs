@@ -10,6 +10,10 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         let Some(priority) = t.priority else { continue };
         if let Some(&other) = first.get(&(t.source, t.scope, t.phase, priority)) {
             let other: crate::ir::chart::TransitionId = other;
+            // Those of one text are the ways through a choice.
+            if machine.transitions[other].span == t.span {
+                continue;
+            }
             found.push(
                 Diagnostic::new(
                     Code::SamePriority,

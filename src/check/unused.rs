@@ -27,6 +27,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         look(&t.guard);
         write(&t.deeds);
     }
+    machine.regions.values().flat_map(|r| &r.entries).for_each(|(g, _)| look(g));
     machine.states.values().flat_map(|s| [&s.entry, &s.exit]).for_each(write);
     for state in machine.states.values() {
         for d in &state.drives {

@@ -52,6 +52,7 @@ fn role(role: Role) -> &'static str {
         Role::Variable => "variable",
         Role::Event => "event",
         Role::StepFlag => "step flag",
+        Role::History => "history",
         Role::Condition => "condition",
         Role::Command => "command",
         Role::Filter => "filter",

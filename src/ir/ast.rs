@@ -6,6 +6,9 @@
 use super::expr::Expr;
 use crate::base::Span;
 
+mod ways;
+pub use ways::{Branch, Choice, Source, Target};
+
 /// A word with its place: a declared name or one part of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {
@@ -249,6 +252,8 @@ pub struct Body {
     pub states: Vec<State>,
     /// `region …`, only in parallel states and charts.
     pub regions: Vec<Region>,
+    /// `choice …`.
+    pub choices: Vec<Choice>,
     /// `from … to …` and `move from … to …`.
     pub transitions: Vec<Transition>,
     /// `drives …`.
@@ -268,7 +273,18 @@ pub struct Body {
 impl Body {
     /// Whether it says what a state does, apart from what the state holds.
     pub fn does_something(&self) -> bool {
-        let Body { drives, actions, entry, exit, internals, states: _, regions: _, transitions: _, span: _ } = self;
+        let Body {
+            drives,
+            actions,
+            entry,
+            exit,
+            internals,
+            states: _,
+            regions: _,
+            choices: _,
+            transitions: _,
+            span: _,
+        } = self;
         !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
     }
 }
@@ -312,8 +328,8 @@ pub struct Region {
 pub struct Transition {
     /// Where it starts.
     pub source: Source,
-    /// Where it leads.
-    pub target: Path,
+    /// Where it leads; one state for a movement.
+    pub target: Target,
     /// Present for a movement.
     pub movement: Option<Movement>,
     /// `priority N`.
@@ -326,15 +342,6 @@ pub struct Transition {
     pub description: Option<Text>,
     /// All of it.
     pub span: Span,
-}
-
-/// Where a transition starts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// One state.
-    State(Path),
-    /// `any`: each state of the region in which it is written.
-    Any(Span),
 }
 
 /// What makes a transition a movement.

@@ -16,9 +16,11 @@
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
 //!    active state takes a step. Guards read states and variables from before the step. Only
 //!    transitions of [`Phase::Start`] take part.
-//! 4. Firing leaves the scope's active state with all that is inside, then enters the target: on
-//!    the way down to it every parallel sibling, and below it every region, enters its initial
-//!    state. Source and target may lie in the same state of the scope: it is left and entered again.
+//! 4. Firing leaves the scope's active state with all that is inside, then enters the target: the
+//!    way down to it, and below it and beside that way each region as [`Inside`] and [`Region::entries`]
+//!    say. Source and target may lie in the same state of the scope: it is left and entered again.
+//!    Guards of entries read what guards of transitions do. *Last* in a region is the state that was
+//!    active in it when it was active last: now, if it is active when the scan begins.
 //!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
 //!    enters nothing, and what is inside its source takes its step as if nothing had fired.
 //! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
@@ -38,8 +40,10 @@
 //! 9. Observers' transitions of [`Phase::End`] are tried, in each region as in 3. Their guards read
 //!    what the filter has decided, and states and variables from before this; their deeds come last.
 //!
-//! The first scan enters the initial states, their entries included, instead of 2 and 3: no transition of
-//! [`Phase::Start`] fires. Those of [`Phase::End`] may: outputs that the first scan writes are as real as any.
+//! The first scan enters the outermost regions by default instead of 2 and 3, those of observers first,
+//! entries of states included: no transition of [`Phase::Start`] fires. What conditions on the way read is
+//! that no state of the charts that enter was active, with variables as they are before it. Those of
+//! [`Phase::End`] may fire: outputs that the first scan writes are as real as any.
 //!
 //! States of observers do nothing: they have no drives, actions, entries and exits.
 
@@ -276,7 +280,9 @@ pub struct Region {
     pub actuator: Option<ActuatorId>,
     /// Its states, movements included, in the order in which they are written.
     pub states: Vec<StateId>,
-    /// The state that it enters by default; one of its states.
+    /// Where it begins by default: the first of these states whose guard holds …
+    pub entries: Vec<(Guard, StateId)>,
+    /// … or else this one. All of them are states of the region.
     pub initial: StateId,
     /// Where it is declared.
     pub span: Span,
@@ -388,6 +394,8 @@ pub struct Transition {
     pub source: StateId,
     /// The state that it leads to; of an internal transition the source.
     pub target: StateId,
+    /// How the regions of the target are entered.
+    pub inside: Inside,
     /// Whether it happens inside its source: it leaves and enters nothing.
     pub internal: bool,
     /// The innermost region that contains both.
@@ -404,6 +412,32 @@ pub struct Transition {
     pub description: String,
     /// Where it is written.
     pub span: Span,
+}
+
+/// How a transition enters the regions of its target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Inside {
+    /// Each by default, and so are those further in.
+    Default,
+    /// Fork: on the way down to these states; they lie in different regions of the target. All other
+    /// regions are entered by default.
+    Fork(Vec<StateId>),
+    /// Shallow history: each at its last state, unless that is final or there is none: then by default.
+    /// Those further in are entered by default.
+    History,
+    /// Deep history: the same, and so further in below each last state. What is below a state that is
+    /// entered by default is entered by default.
+    DeepHistory,
+}
+
+impl Transition {
+    /// The states that it names: those of a fork, else its target.
+    pub fn goals(&self) -> &[StateId] {
+        match &self.inside {
+            Inside::Fork(states) => states,
+            Inside::Default | Inside::History | Inside::DeepHistory => std::slice::from_ref(&self.target),
+        }
+    }
 }
 
 impl Machine {
@@ -449,6 +483,20 @@ impl Machine {
             (Some(outer), None) => outer,
             (None, Some(name)) => name.clone(),
             (None, None) => self.charts[r.chart].name.clone(),
+        }
+    }
+
+    /// Where a transition leads, as a model writes it, with whole paths.
+    pub fn destination(&self, transition: TransitionId) -> String {
+        let t = &self.transitions[transition];
+        match &t.inside {
+            Inside::Default => self.state_path(t.target),
+            Inside::History => format!("history of {}", self.state_path(t.target)),
+            Inside::DeepHistory => format!("deep history of {}", self.state_path(t.target)),
+            Inside::Fork(states) => {
+                let paths: Vec<String> = states.iter().map(|&s| self.state_path(s)).collect();
+                format!("({})", paths.join(", "))
+            }
         }
     }
 

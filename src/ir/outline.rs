@@ -176,6 +176,9 @@ impl Writer<'_> {
             writeln!(self.out, "{:1$}region {name}{controls}", "", depth * 2)?;
             depth += 1;
         }
+        for (guard, s) in &region.entries {
+            writeln!(self.out, "{:1$}begins at {2} when {3}", "", depth * 2, m.states[*s].name, self.guard(guard))?;
+        }
         for &s in &region.states {
             let state = &m.states[s];
             let initial = if region.initial == s { "initial " } else { "" };
@@ -212,12 +215,12 @@ impl Writer<'_> {
         }
         let [start, end] = &self.scoped;
         let ranked = |list: &[TransitionId]| list.iter().copied().enumerate().collect::<Vec<_>>();
-        for (rank, t) in ranked(&start[id.index()]).into_iter().chain(ranked(&end[id.index()])) {
-            let t = &m.transitions[t];
+        for (rank, id) in ranked(&start[id.index()]).into_iter().chain(ranked(&end[id.index()])) {
+            let t = &m.transitions[id];
             let phase = if t.phase == Phase::End { "after filter " } else { "" };
             let then = if t.deeds.is_empty() { String::new() } else { format!(" then {}", self.deeds(&t.deeds)) };
             let source = m.state_path(t.source);
-            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.state_path(t.target)) };
+            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.destination(id)) };
             writeln!(
                 self.out,
                 "{:1$}{phase}{2}. {source} {leads} when {3}{then}",

@@ -61,6 +61,8 @@ pub enum Role {
     Event,
     /// TRUE while a step is active; written by its N action only.
     StepFlag,
+    /// Whether a state was the last one of its region; written when the chart has taken its step.
+    History,
     /// A value latched at the start of the scan, or computed from such values.
     Condition,
     /// What the chart wants of an output.

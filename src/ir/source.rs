@@ -189,6 +189,7 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&region.body))?;
         }
         body.states.iter().try_for_each(|s| self.state(s))?;
+        body.choices.iter().try_for_each(|c| self.choice(c))?;
         body.transitions.iter().try_for_each(|t| self.transition(t))
     }
 
@@ -214,6 +215,7 @@ impl Writer {
         let source = match &t.source {
             Source::State(path) => words(path),
             Source::Any(_) => "any".to_owned(),
+            Source::Join(paths) => several(paths),
         };
         let (verb, name) = match &t.movement {
             Some(m) => ("move from", clause("as", m.name.as_ref())),
@@ -221,12 +223,22 @@ impl Writer {
         };
         self.line(format_args!(
             "{verb} {source} to {}{name}{}{}{}{}",
-            words(&t.target),
+            target(&t.target),
             priority(t.priority),
             when(&t.guard),
             then(&t.effects),
             text(&t.description)
         ))
+    }
+
+    fn choice(&mut self, c: &Choice) -> fmt::Result {
+        let initial = if c.initial.is_some() { "initial " } else { "" };
+        self.block(format_args!("{initial}choice {}{}", c.name.text, text(&c.description)), |w| {
+            c.branches.iter().try_for_each(|b| {
+                let head = b.guard.as_ref().map_or_else(|| "else".to_owned(), |g| format!("when {}", condition(g)));
+                w.line(format_args!("{head} to {}{}{}", target(&b.target), then(&b.effects), text(&b.description)))
+            })
+        })
     }
 
     fn safety(&mut self, s: &Safety) -> fmt::Result {
@@ -292,6 +304,18 @@ fn list(names: &[Name]) -> String {
 
 fn when(guard: &Option<Guard>) -> String {
     guard.as_ref().map(|g| format!(" when {}", condition(g))).unwrap_or_default()
+}
+
+fn target(target: &Target) -> String {
+    match target {
+        Target::State(path) => words(path),
+        Target::History { of, deep } => format!("{}history of {}", if *deep { "deep " } else { "" }, words(of)),
+        Target::Fork(paths) => several(paths),
+    }
+}
+
+fn several(paths: &[Path]) -> String {
+    format!("({})", paths.iter().map(words).collect::<Vec<_>>().join(", "))
 }
 
 fn words(path: &Path) -> String {

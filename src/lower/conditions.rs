@@ -4,8 +4,9 @@
 //! its rung. All rungs run before the chart's step, on flags that the scan before has left.
 
 use super::context::{Condition, Conditions, Context, origin};
+use super::entries::{Read, When};
 use super::rungs::{self, rung};
-use crate::ir::chart::{OutputId, RegionId, StateId, TransitionId};
+use crate::ir::chart::{OutputId, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Rung, Timer};
 use crate::ir::plc::{GlobalId, Role};
@@ -233,7 +234,7 @@ impl Context<'_> {
     }
 
     /// Whether the state's region is told in this scan to start at the state.
-    pub fn entered(&mut self, state: StateId, by: &[TransitionId]) -> GlobalId {
+    pub fn entered(&mut self, state: StateId, by: &[(TransitionId, When)]) -> GlobalId {
         if let Some(&id) = self.conditions.entered.get(&state) {
             return id;
         }
@@ -247,9 +248,9 @@ impl Context<'_> {
             origin(format!("state {path}"), self.machine.states[state].span),
         );
         self.conditions.entered.insert(state, id);
-        let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(self.fires(t))).collect();
+        let condition = self.some_enters(by);
         let mut rungs = std::mem::take(&mut self.conditions.entering);
-        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
         self.conditions.entering = rungs;
         id
     }
@@ -269,11 +270,66 @@ impl Context<'_> {
         let place = origin(format!("state {path}"), self.machine.states[state].span);
         let id = self.global(name, Role::Condition, text.clone(), place);
         self.conditions.again.insert(state, id);
-        let fires: Vec<Condition> = by.iter().map(|&t| Expr::Atom(self.fires(t))).collect();
+        let enters = self.some_enters(&by);
         let mut rungs = std::mem::take(&mut self.conditions.entering);
-        rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::any(fires), text);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &enters, text);
         self.conditions.entering = rungs;
         Some(id)
+    }
+
+    /// Whether one of the transitions fires and enters what it is asked about.
+    fn some_enters(&mut self, by: &[(TransitionId, When)]) -> Condition {
+        let each = by.iter().map(|(transition, when)| {
+            let fires = Expr::Atom(self.fires(*transition));
+            let scope = self.machine.transitions[*transition].scope;
+            let when = when.map(&mut |read| match *read {
+                Read::Guard(atom) => self.guard(&Expr::Atom(atom), scope),
+                Read::Last(state) => Expr::Atom(self.last(state)),
+                Read::Unfinished(region) => Expr::Atom(self.unfinished(region)),
+            });
+            Expr::all([fires, when])
+        });
+        Expr::any(each.collect::<Vec<_>>())
+    }
+
+    /// Whether the state was the last one of its region. Its rung runs when the chart has taken its step
+    /// ([`variables`](super::variables)); read before that it says what was when the scan began.
+    fn last(&mut self, state: StateId) -> GlobalId {
+        if let Some(&id) = self.conditions.last.get(&state) {
+            return id;
+        }
+        let path = self.machine.state_path(state);
+        let name = self.names.state("Last", state);
+        let text = format!("{path} is where its region is or was last");
+        let id = self.global(
+            name,
+            Role::History,
+            text,
+            origin(format!("history of {path}"), self.machine.states[state].span),
+        );
+        self.conditions.last.insert(state, id);
+        id
+    }
+
+    /// Whether one of the region's states that are not final was the last one.
+    fn unfinished(&mut self, region: RegionId) -> GlobalId {
+        if let Some(&id) = self.conditions.unfinished.get(&region) {
+            return id;
+        }
+        let machine = self.machine;
+        let path = machine.region_path(region);
+        let name = self.names.region("Left", region);
+        let text = format!("{path} has been left or is active, and has not ended");
+        let origin = origin(format!("history of {path}"), machine.regions[region].span);
+        let id = self.global(name, Role::Condition, text.clone(), origin);
+        self.conditions.unfinished.insert(region, id);
+        let states = machine.regions[region].states.iter().copied();
+        let states = states.filter(|&s| machine.states[s].kind != StateKind::Final);
+        let some = Expr::any(states.map(|s| Expr::Atom(self.last(s))).collect::<Vec<_>>());
+        let mut rungs = std::mem::take(&mut self.conditions.latches);
+        rung(self, &mut rungs, (id, CoilKind::Plain), &some, text);
+        self.conditions.latches = rungs;
+        id
     }
 
     /// Whether the order of the transitions that leave a step is decided by coils.

@@ -49,6 +49,8 @@ pub struct Conditions {
     pub fires: BTreeMap<TransitionId, GlobalId>,
     pub before: BTreeMap<TransitionId, GlobalId>,
     pub entered: BTreeMap<StateId, GlobalId>,
+    pub last: BTreeMap<StateId, GlobalId>,
+    pub unfinished: BTreeMap<RegionId, GlobalId>,
     pub again: BTreeMap<StateId, GlobalId>,
     pub latches: Vec<Rung>,
     pub timing: Vec<Rung>,
@@ -198,7 +200,7 @@ impl<'m> Context<'m> {
         if t.internal {
             format!("internal transition of {source}")
         } else {
-            format!("transition {source} -> {}", self.machine.state_path(t.target))
+            format!("transition {source} -> {}", self.machine.destination(transition))
         }
     }
 

@@ -1,6 +1,7 @@
 //! Regions to SFC programs (those of observers that also move after the filter excepted): a step per state, an idle step, and transitions that exclude each other.
 
 use super::context::{Condition, Context, origin};
+use super::entries::Found;
 use super::observers;
 use crate::base::Arena;
 use crate::ir::chart::{ChartKind, RegionId, StateId};
@@ -65,19 +66,24 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
 
     let parent = region.parent.map(|p| Expr::Atom(context.flags[p.index()]));
     let running = parent.clone().unwrap_or(Expr::TRUE);
-    let told: Vec<(StateId, bool, Condition)> = {
+    let told: Vec<(StateId, Found, Condition)> = {
         let entries: Vec<_> = context.entries.of_region(id).map(|(s, e)| (s, e.clone())).collect();
-        entries.into_iter().map(|(s, e)| (s, e.reenters, Expr::Atom(context.entered(s, &e.by)))).collect()
+        entries.into_iter().map(|(s, e)| (s, e.found, Expr::Atom(context.entered(s, &e.by)))).collect()
     };
 
-    // Out of the idle step: where the region is told to start, else at its initial state.
+    // Out of the idle step: where the region is told to start, else where it begins by default.
     let mut out = Leaving::new(idle, running.clone());
-    for (state, _, told) in told.iter().filter(|(s, ..)| *s != region.initial) {
+    for (state, _, told) in told.iter().filter(|(s, ..)| *s != region.initial || !region.entries.is_empty()) {
         out.unless(
             told.clone(),
             step_of(*state),
             origin(format!("entry of {}", machine.state_path(*state)), machine.states[*state].span),
         );
+    }
+    for (guard, state) in &region.entries {
+        let guard = context.guard(guard, id);
+        let what = format!("entry of {} by default", machine.state_path(*state));
+        out.unless(guard, step_of(*state), origin(what, region.span));
     }
     out.otherwise(
         step_of(region.initial),
@@ -97,7 +103,12 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             let what = format!("{} is left", machine.region_path(id));
             out.when(parent.clone().not(), idle, Origin { what, span: None });
         }
-        for (entry, _, told) in told.iter().filter(|(_, reenters, _)| *reenters) {
+        let here = |(entry, found, _): &&(StateId, Found, Condition)| match found {
+            Found::Idle => false,
+            Found::There => *entry == state,
+            Found::Anywhere => true,
+        };
+        for (entry, _, told) in told.iter().filter(here) {
             out.unless(
                 told.clone(),
                 step_of(*entry),

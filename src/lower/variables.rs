@@ -3,7 +3,8 @@
 //! First what happened once, in the order of [`Step`]; of what has the same place there, only one
 //! happens in a scan. Then what active states do: all sets, all resets. Conditions of actions read
 //! variables as the transitions left them; where one reads a variable that an action writes, all
-//! conditions are taken down in coils before anything is written.
+//! conditions are taken down in coils before anything is written. What regions with a history remember
+//! comes last: where they are when the chart has taken its step.
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
@@ -66,6 +67,7 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
     if kind == ChartKind::Control {
         raised(context, &mut rungs);
     }
+    history(context, &mut rungs);
     Ladder { rungs }
 }
 
@@ -92,6 +94,19 @@ fn raised(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
     }
 }
 
+/// What was the last state of a region: the active one; while none is, the one that was.
+fn history(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
+    let machine = context.machine;
+    for (state, id) in context.conditions.last.clone() {
+        let path = machine.state_path(state);
+        let parent =
+            machine.regions[machine.states[state].region].parent.expect("what has a history is inside a state");
+        let (active, around) = (context.flags[state.index()], context.flags[parent.index()]);
+        let kept = Expr::all([Expr::Atom(id), Expr::Atom(around).not()]);
+        let condition = Expr::any([Expr::Atom(active), kept]);
+        rung(context, rungs, (id, CoilKind::Plain), &condition, format!("{path} is where its region is or was last"));
+    }
+}
 /// What transitions write, each with the coil that says that it fires.
 pub fn effects(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
     let machine = context.machine;

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios};
+use super::{Rule, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -301,6 +301,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
                     body: head.body.expect("a region has a body"),
                 });
             }
+            Rule::choice => body.choices.push(ways::choice(p, bad)),
             Rule::transition => body.transitions.push(transition(p)),
             Rule::drive => {
                 let (output, condition) = named_condition(p);
@@ -322,7 +323,7 @@ fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
 }
 
 /// The effect that the pair is, if it is one.
-fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
+pub fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     if p.as_rule() != Rule::effect {
         return None;
     }
@@ -377,12 +378,16 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             Rule::kw_move => movement = Some(Movement { span: span(&p), name: None }),
             Rule::source => {
                 let place = span(&p);
-                let inner = p.into_inner().next().expect("a source is `any` or a path");
-                source =
-                    Some(if inner.as_rule() == Rule::path { Source::State(path(inner)) } else { Source::Any(place) });
+                let inner = p.into_inner().next().expect("a source is `any`, a path or several");
+                source = Some(match inner.as_rule() {
+                    Rule::path => Source::State(path(inner)),
+                    Rule::several => Source::Join(ways::paths(inner)),
+                    _ => Source::Any(place),
+                });
             }
             Rule::path if source.is_none() => source = Some(Source::State(path(p))),
-            Rule::path => target = Some(path(p)),
+            Rule::path => target = Some(Target::State(path(p))),
+            Rule::target => target = Some(ways::target(p)),
             Rule::name => {
                 // Only a movement has a name of its own.
                 if let Some(movement) = &mut movement {
@@ -452,7 +457,7 @@ fn constraint(p: Pair<'_, Rule>) -> Constraint {
     }
 }
 
-fn path(p: Pair<'_, Rule>) -> Path {
+pub fn path(p: Pair<'_, Rule>) -> Path {
     Path { parts: p.into_inner().filter(|p| p.as_rule() == Rule::name).map(name).collect() }
 }
 

@@ -10,6 +10,7 @@ mod build;
 mod scan;
 mod scenarios;
 mod syntax_error;
+mod ways;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::ast;
@@ -88,6 +89,7 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_position => Rule::lone_position,
         Rule::bad_item => Rule::lone_item,
         Rule::bad_outer_item => Rule::lone_outer_item,
+        Rule::bad_branch => Rule::lone_branch,
         Rule::bad_constraint => Rule::lone_constraint,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,

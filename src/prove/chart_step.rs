@@ -16,7 +16,7 @@
 use super::chart_filter;
 use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
 };
 use std::collections::{BTreeMap, HashMap};
 
@@ -39,13 +39,17 @@ pub struct ChartState {
     pub past: Vec<Lit>,
     /// What the filter remembers, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
     pub marks: Vec<Lit>,
+    /// For each state of a region with a history, whether it was active when the region was active
+    /// last; nothing for other states.
+    pub last: Vec<Option<Lit>>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks } = self;
-        [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten().copied().collect()
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last } = self;
+        let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
+        always.chain(last.iter().flatten()).copied().collect()
     }
 }
 
@@ -78,6 +82,8 @@ pub struct ChartStep<'m> {
     scoped: Vec<Vec<TransitionId>>,
     ending: Vec<Vec<TransitionId>>,
     timers: BTreeMap<(StateId, u32), usize>,
+    /// For each region, whether some transition asks for its history.
+    histories: Vec<bool>,
     rounds: usize,
 }
 
@@ -95,7 +101,12 @@ impl<'m> ChartStep<'m> {
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
         let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
-        ChartStep { machine, scoped, ending, timers, rounds }
+        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds }
+    }
+
+    /// Whether the state is of a region whose history some transition asks for.
+    pub fn remembers(&self, state: StateId) -> bool {
+        self.histories[self.machine.states[state].region.index()]
     }
 
     /// The states and times in milliseconds that guards ask for, each once.
@@ -116,12 +127,14 @@ impl<'m> ChartStep<'m> {
             fresh: vec![Lit::FALSE; self.timers.len()],
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
+            last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
         let mut now = Now::of(&before, m);
         let none = now.fires.clone();
-        self.move_on(aig, &mut now, &none, Lit::TRUE);
+        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Observer));
+        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control));
         self.rest(aig, given, now)
     }
 
@@ -143,12 +156,12 @@ impl<'m> ChartStep<'m> {
     /// Charts of one kind take a step, effects on variables included.
     fn step(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, kind: ChartKind, phase: Phase) {
         let fires = self.fires(aig, given, now, kind, phase);
-        self.move_on(aig, now, &fires, Lit::FALSE);
+        self.move_on(aig, given, now, &fires, None);
     }
 
-    /// What comes of the transitions that fire; with `start` the outermost regions are entered.
-    fn move_on(&self, aig: &mut Aig, now: &mut Now, fires: &[Lit], start: Lit) {
-        let moves = self.configuration(aig, &now.active, fires, start);
+    /// What comes of the transitions that fire; the charts of the kind that starts are entered.
+    fn move_on(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, fires: &[Lit], start: Option<ChartKind>) {
+        let moves = self.configuration(aig, &given.with(now), fires, start);
         let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
         now.variables = variables;
         now.active = moves.active;
@@ -195,42 +208,75 @@ impl<'m> ChartStep<'m> {
         fires
     }
 
-    /// What becomes of states by the transitions that fire; with `start` the outermost regions are entered.
-    fn configuration(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], start: Lit) -> Moves {
+    /// What becomes of states by the transitions that fire; the outermost regions of charts of the
+    /// kind that starts are entered. `reading` is from before the step.
+    fn configuration(&self, aig: &mut Aig, reading: &Reading<'_>, fires: &[Lit], start: Option<ChartKind>) -> Moves {
         let m = self.machine;
-        // For each state, who leaves it as a state of the transition's scope, and who names it on the
-        // way down to the target.
+        let (before, remembered) = (reading.active, &reading.given.before.last);
+        // For each state, who leaves it as a state of the transition's scope, who names it on the way
+        // down to the target, and who asks for its history: that of its regions, and of all below.
         let mut leave = vec![Vec::new(); m.states.len()];
         let mut name = vec![Vec::new(); m.states.len()];
+        let mut shallow = vec![Vec::new(); m.states.len()];
+        let mut deep = vec![Vec::new(); m.states.len()];
         for (id, t) in m.transitions.iter() {
             let fires = fires[id.index()];
             if fires == Lit::FALSE || t.internal {
                 continue;
             }
             leave[m.child_in(t.scope, t.source).expect("the scope holds the source").index()].push(fires);
-            for s in m.ancestors(t.target) {
-                name[s.index()].push(fires);
-                if m.states[s].region == t.scope {
-                    break;
+            for &goal in t.goals() {
+                for s in m.ancestors(goal) {
+                    name[s.index()].push(fires);
+                    if m.states[s].region == t.scope {
+                        break;
+                    }
                 }
+            }
+            match t.inside {
+                Inside::History => shallow[t.target.index()].push(fires),
+                Inside::DeepHistory => deep[t.target.index()].push(fires),
+                Inside::Default | Inside::Fork(_) => {}
             }
         }
         let mut left = vec![Lit::FALSE; m.states.len()];
         let mut entered = vec![Lit::FALSE; m.states.len()];
         let mut active = vec![Lit::FALSE; m.states.len()];
-        for (_, region) in m.regions.iter() {
+        for (id, region) in m.regions.iter() {
             let (gone, come) = match region.parent {
                 Some(p) => (left[p.index()], entered[p.index()]),
-                None => (Lit::FALSE, start),
+                None => (Lit::FALSE, Lit::of(start == Some(m.kind(id)))),
             };
-            let named: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
-            let some_named = aig.any(&named);
-            let by_default = aig.and(come, !some_named);
-            for (&s, &named) in region.states.iter().zip(&named) {
+            // For each of its states, when it is entered.
+            let mut when: Vec<Lit> = region.states.iter().map(|s| aig.any(&name[s.index()])).collect();
+            let place = |s: StateId| region.states.iter().position(|&t| t == s).expect("a region begins in itself");
+            if let Some(p) = region.parent.filter(|_| self.histories[id.index()]) {
+                let (shallow, below) = (aig.any(&shallow[p.index()]), aig.any(&deep[p.index()]));
+                let resumes = aig.or(shallow, below);
+                for (when, &s) in when.iter_mut().zip(&region.states) {
+                    if m.states[s].kind == StateKind::Final {
+                        continue;
+                    }
+                    let last = remembered[s.index()].expect("a region with a history remembers its states");
+                    let resumed = aig.and(resumes, last);
+                    *when = aig.or(*when, resumed);
+                    deep[s.index()].push(aig.and(below, last));
+                }
+            }
+            let elsewhere = aig.any(&when);
+            let mut rest = aig.and(come, !elsewhere);
+            for (guard, s) in &region.entries {
+                let guard = reading.guard(aig, guard);
+                let here = aig.and(rest, guard);
+                when[place(*s)] = aig.or(when[place(*s)], here);
+                rest = aig.and(rest, !guard);
+            }
+            when[place(region.initial)] = aig.or(when[place(region.initial)], rest);
+            for (&s, &when) in region.states.iter().zip(&when) {
                 let i = s.index();
                 let own = aig.any(&leave[i]);
                 left[i] = aig.or(gone, own);
-                entered[i] = if s == region.initial { aig.or(named, by_default) } else { named };
+                entered[i] = when;
                 let stays = aig.and(before[i], !left[i]);
                 active[i] = aig.or(stays, entered[i]);
             }
@@ -276,6 +322,18 @@ impl<'m> ChartStep<'m> {
         (variables, raised)
     }
 
+    /// What was the last state of each region with a history once these states are active.
+    fn last(&self, aig: &mut Aig, before: &ChartState, active: &[Lit]) -> Vec<Option<Lit>> {
+        let m = self.machine;
+        let states = m.states.iter().zip(&before.last);
+        states
+            .map(|((id, state), &last)| {
+                let parent = m.regions[state.region].parent?;
+                Some(aig.select(active[parent.index()], active[id.index()], last?))
+            })
+            .collect()
+    }
+
     /// Everything after the charts' steps.
     fn rest(&self, aig: &mut Aig, given: Given<'_>, mut now: Now) -> ChartScan {
         let m = self.machine;
@@ -308,6 +366,7 @@ impl<'m> ChartStep<'m> {
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
         let Now { active, variables, entered, fires, raised } = now;
+        let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
             fresh.push(entered[s.index()]);
@@ -324,10 +383,33 @@ impl<'m> ChartStep<'m> {
             fresh,
             past,
             marks: filtered.marks,
+            last,
         };
         let events = given.before.raised.clone();
         ChartScan { after, events, fires, commands, acted: filtered.acted, broken, begins, seen }
     }
+}
+
+/// For each region, whether some transition asks for its history.
+fn histories(machine: &Machine) -> Vec<bool> {
+    let mut shallow = vec![false; machine.states.len()];
+    let mut deep = shallow.clone();
+    for t in machine.transitions.values() {
+        match t.inside {
+            Inside::History => shallow[t.target.index()] = true,
+            Inside::DeepHistory => deep[t.target.index()] = true,
+            Inside::Default | Inside::Fork(_) => {}
+        }
+    }
+    let mut asked = vec![false; machine.regions.len()];
+    for (id, region) in machine.regions.iter() {
+        // What is deep reaches all that is below; a parent comes before what it contains.
+        for &s in &region.states {
+            deep[s.index()] |= region.parent.is_some_and(|p| deep[p.index()]);
+        }
+        asked[id.index()] = region.parent.is_some_and(|p| shallow[p.index()] || deep[p.index()]);
+    }
+    asked
 }
 
 /// What a scan has made so far of what is remembered.

@@ -8,13 +8,14 @@
 //! That the chart's own step never leaves these configurations is proved like everything else
 //! ([`broken`]).
 
-use super::chart_step::ChartState;
+use super::chart_step::{ChartState, ChartStep};
 use crate::bits::aig::{Aig, Lit};
 use crate::ir::chart::{Machine, RegionId, StateId};
 
-/// A state of memory about which nothing is known but that its configuration is one, and that no time
-/// has passed in a state that has just been entered.
-pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (StateId, u32)>) -> ChartState {
+/// A state of memory about which nothing is known but that its configuration is one, that no time has
+/// passed in a state that has just been entered, and that the last state of a region is its active one,
+/// or one or none of its states while it is not active.
+pub fn any(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>) -> ChartState {
     let mut active = vec![Lit::FALSE; machine.states.len()];
     for (id, region) in machine.regions.iter() {
         let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
@@ -22,8 +23,9 @@ pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (State
         let mut bits = Vec::new();
         decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
     }
+    let last = last(aig, machine, chart, &active);
     let (mut fresh, mut past) = (Vec::new(), Vec::new());
-    for (s, ms) in timers {
+    for (s, ms) in chart.timers() {
         let path = machine.state_path(s);
         fresh.push(aig.leaf(format!("{path} is fresh")));
         let passed = aig.leaf(format!("{path} lasts {ms} ms"));
@@ -33,12 +35,27 @@ pub fn any(aig: &mut Aig, machine: &Machine, timers: impl Iterator<Item = (State
         active,
         fresh,
         past,
+        last,
         variables: machine.variables.values().map(|v| aig.leaf(&v.name)).collect(),
         inputs: machine.inputs.values().map(|i| aig.leaf(format!("prev({})", i.name))).collect(),
         raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
         outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
         marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
     }
+}
+
+/// The last states of regions with a history.
+fn last(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>, active: &[Lit]) -> Vec<Option<Lit>> {
+    let mut left = vec![Lit::FALSE; machine.states.len()];
+    for (id, region) in machine.regions.iter() {
+        let Some(parent) = region.parent.filter(|_| chart.remembers(region.initial)) else { continue };
+        let path = format!("last in {}", machine.region_path(id));
+        let known = aig.leaf(format!("{path} is one"));
+        let under = aig.and(known, !active[parent.index()]);
+        decode(aig, &region.states, under, (0, &mut Vec::new()), &path, &mut left);
+    }
+    let each = machine.states.ids().zip(active.iter().zip(left));
+    each.map(|(s, (&now, left))| chart.remembers(s).then(|| aig.or(now, left))).collect()
 }
 
 fn decode(
@@ -60,6 +77,19 @@ fn decode(
     let (no, yes) = (aig.and(under, !bits[depth]), aig.and(under, bits[depth]));
     decode(aig, left, no, (depth + 1, bits), path, active);
     decode(aig, right, yes, (depth + 1, bits), path, active);
+}
+
+/// Whether something is wrong with what `after` remembers of the region: two of its states were its
+/// last one, or another than the active one was while the region is active.
+pub fn confused(aig: &mut Aig, machine: &Machine, region: RegionId, after: &ChartState) -> Lit {
+    let region = &machine.regions[region];
+    let last: Vec<Lit> = region.states.iter().filter_map(|s| after.last[s.index()]).collect();
+    let parent = region.parent.map_or(Lit::TRUE, |p| after.active[p.index()]);
+    let differ: Vec<Lit> = region.states.iter().zip(&last).map(|(s, &l)| aig.xor(l, after.active[s.index()])).collect();
+    let some = aig.any(&differ);
+    let differs = aig.and(parent, some);
+    let two = aig.two_or_more(&last);
+    aig.or(differs, two)
 }
 
 /// Whether something is wrong with the region in the configuration `active`: two of its states are

@@ -27,6 +27,9 @@ pub struct Correspondence {
     /// For each state, the program that holds its step, and the step; nothing where no step of its own
     /// stands for it.
     pub steps: Vec<Option<(String, String)>>,
+    /// For each state, the global that is TRUE if the state was the last one of its region; nothing
+    /// where no history asks for it.
+    pub last: Vec<Option<String>>,
     /// The global for each output's command.
     pub commands: Vec<Option<String>>,
     /// The global for each constraint that is TRUE when it had to act.
@@ -89,6 +92,7 @@ impl Correspondence {
             raised: machine.events.values().map(|e| find(Role::Condition, e.span)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
+            last: machine.states.values().map(|s| find(Role::History, s.span)).collect(),
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
             acted: machine.safety.constraints.values().map(|c| find(acted, c.span)).collect(),
             marks: machine
@@ -120,5 +124,6 @@ fn rank(role: Role) -> u8 {
         Role::Noted => 9,
         Role::First => 10,
         Role::Event => 11,
+        Role::History => 12,
     }
 }

@@ -14,6 +14,7 @@
 //!
 //! - in each region exactly one state is active, or none if its parent is not;
 //! - the idle step of each SFC is active exactly while the region's parent is not;
+//! - what a region with a history remembers is its active state, or one or no state while it has none;
 //! - a timer starts in exactly those scans that are the first to begin in its state, and while that state
 //!   is active it remembers since when, and whether its time has passed, as the chart does;
 //! - what else the program remembers and reads again holds what [`induction::guess`] has found for it:
@@ -230,6 +231,9 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
     let says = |claim: Claim| match claim {
         Claim::Configuration(region) => {
             format!("that region {} has one active state", machine.region_path(region))
+        }
+        Claim::History(region) => {
+            format!("that region {} remembers one state", machine.region_path(region))
         }
         Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
         Claim::Part(part, latch) => {

@@ -27,6 +27,8 @@ const WORDS: usize = 4;
 pub enum Claim {
     /// After the scan, in this region exactly one state is active, or none if its parent is not.
     Configuration(RegionId),
+    /// After the scan, the last state of this region is its active one; one or none if it has none.
+    History(RegionId),
     /// After the scan, the state of this timer has not both been entered and lasted for its time.
     Clock(usize),
     /// After the scan, the latch holds this part.
@@ -217,7 +219,9 @@ impl Claim {
     fn latch(&self) -> usize {
         match self {
             Claim::Part(_, latch) | Claim::Memory(_, latch) => *latch,
-            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+                unreachable!("they are about the chart alone")
+            }
         }
     }
 
@@ -225,7 +229,7 @@ impl Claim {
     pub fn guess(&self, matched: &Match) -> Option<usize> {
         match self {
             Claim::Memory(_, latch) if matched.guessed[*latch] => Some(*latch),
-            Claim::Memory(..) | Claim::Part(..) | Claim::Configuration(_) | Claim::Clock(_) => None,
+            Claim::Memory(..) | Claim::Part(..) | Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => None,
         }
     }
 
@@ -234,7 +238,9 @@ impl Claim {
         match self {
             Claim::Part(part, _) => (part.after(chart), Lit::TRUE),
             Claim::Memory(meaning, _) => (meaning.of(&chart.after), meaning.matters(&chart.after)),
-            Claim::Configuration(_) | Claim::Clock(_) => unreachable!("they are about the chart alone"),
+            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+                unreachable!("they are about the chart alone")
+            }
         }
     }
 }
@@ -273,6 +279,7 @@ impl<'a> Both<'a> {
             fresh: none(timers),
             past: none(timers),
             marks: none(pair.machine.safety.marks().count()),
+            last: pair.machine.states.ids().map(|s| pair.chart.remembers(s).then_some(Lit::FALSE)).collect(),
         };
         let program = pair.program.power_up();
         Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }
@@ -280,7 +287,7 @@ impl<'a> Both<'a> {
 
     fn anywhere(pair: Pair<'a>, matched: &Match) -> Both<'a> {
         let mut aig = Aig::new();
-        let before = configuration::any(&mut aig, pair.machine, pair.chart.timers());
+        let before = configuration::any(&mut aig, pair.machine, pair.chart);
         let mut program = Vec::new();
         for (&latch, meaning) in pair.program.latches().iter().zip(&matched.meanings) {
             let value = meaning.map_or((Lit::FALSE, Lit::FALSE), |m| (m.of(&before), m.matters(&before)));
@@ -346,6 +353,12 @@ impl<'a> Both<'a> {
             let broken = configuration::broken(&mut self.aig, self.pair.machine, region, &self.chart.after.active);
             if let Outcome::Differs(model) = compare.same(&mut self.aig, broken, Lit::FALSE, self.given) {
                 failures.push((Claim::Configuration(region), model));
+            }
+        }
+        for (region, _) in self.pair.machine.regions.iter().filter(|(_, r)| self.pair.chart.remembers(r.initial)) {
+            let confused = configuration::confused(&mut self.aig, self.pair.machine, region, &self.chart.after);
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, confused, Lit::FALSE, self.given) {
+                failures.push((Claim::History(region), model));
             }
         }
         for index in 0..self.clocks.len() {

@@ -101,6 +101,11 @@ impl Joint {
             fresh: chart.timers().map(|(s, _)| aig.leaf(format!("{} is fresh", machine.state_path(s)))).collect(),
             past: chart.timers().map(|(s, ms)| aig.leaf(format!("{} {ms} ms", machine.state_path(s)))).collect(),
             marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
+            last: machine
+                .states
+                .ids()
+                .map(|s| chart.remembers(s).then(|| aig.leaf(format!("last {}", machine.state_path(s)))))
+                .collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);
         let latches =

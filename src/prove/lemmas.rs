@@ -46,7 +46,7 @@ impl<'a> Lemmas<'a> {
     /// None yet.
     pub fn new(pair: Pair<'a>) -> Self {
         let mut aig = Aig::new();
-        let state = configuration::any(&mut aig, pair.machine, pair.chart.timers());
+        let state = configuration::any(&mut aig, pair.machine, pair.chart);
         let inputs: Vec<Lit> = pair.machine.inputs.values().map(|i| aig.leaf(&i.name)).collect();
         let clocks: Vec<Lit> = pair.chart.timers().map(|_| aig.leaf("time")).collect();
         let ChartScan { after, .. } = pair.chart.scan(&mut aig, &state, &inputs, &clocks);

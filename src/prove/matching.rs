@@ -92,6 +92,13 @@ impl Match {
         matched.timers(pair, names, project);
         foreign_inputs(project, program, &matched.inputs)?;
         matched.by_construction(pair, project);
+        for (state, name) in machine.states.ids().zip(&names.last) {
+            let name = name.as_ref().filter(|_| pair.chart.remembers(state));
+            let latch = name.and_then(|n| globals.get(&iec::fold(n))).and_then(|v| program.variable(*v));
+            if let Some(latch) = latch {
+                matched.meanings[latch] = Some(Meaning::Last(state, true));
+            }
+        }
         Ok(matched)
     }
 

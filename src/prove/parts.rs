@@ -112,6 +112,8 @@ pub enum Meaning {
     Raised(EventId, bool),
     /// What the filter remembers, and its place among the marks.
     Mark(Mark, usize, bool),
+    /// Whether the state was the last one of its region, active or not; of regions with a history.
+    Last(StateId, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -129,6 +131,7 @@ impl Meaning {
             Meaning::Variable(v, same) => state.variables[v.index()].xor(!same),
             Meaning::Raised(e, same) => state.raised[e.index()].xor(!same),
             Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
+            Meaning::Last(s, same) => state.last[s.index()].expect("only states of regions with a history").xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -144,7 +147,8 @@ impl Meaning {
             | Meaning::Output(..)
             | Meaning::Raised(..)
             | Meaning::Variable(..)
-            | Meaning::Mark(..) => Lit::TRUE,
+            | Meaning::Mark(..)
+            | Meaning::Last(..) => Lit::TRUE,
         }
     }
 
@@ -159,6 +163,7 @@ impl Meaning {
             Meaning::Variable(v, same) => Meaning::Variable(v, !same),
             Meaning::Raised(e, same) => Meaning::Raised(e, !same),
             Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
+            Meaning::Last(s, same) => Meaning::Last(s, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -185,6 +190,7 @@ impl Meaning {
             Meaning::Variable(v, same) => (same, format!("variable {}", machine.variables[v].name)),
             Meaning::Raised(e, same) => (same, format!("event {} was raised", machine.events[e].name)),
             Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
+            Meaning::Last(s, same) => (same, format!("{} was last in its region", machine.state_path(s))),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

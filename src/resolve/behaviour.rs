@@ -38,7 +38,7 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
 
 impl Resolver {
     /// What happens once; `what` says in a message what it belongs to.
-    pub fn deeds(&mut self, written: &[ast::Effect], what: &str) -> chart::Deeds {
+    pub fn deeds<'e>(&mut self, written: impl IntoIterator<Item = &'e ast::Effect>, what: &str) -> chart::Deeds {
         let mut deeds = chart::Deeds::default();
         for effect in written {
             let value = match effect.value {

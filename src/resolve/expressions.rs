@@ -243,7 +243,7 @@ impl Resolver {
             _ => self.state(&parts, region),
         };
         let Some(state) = found else { return Expr::FALSE };
-        if let Context::Guard { region, .. } = context
+        if let Context::Guard { region, .. } | Context::Active { region } = context
             && self.machine.kind(*region) == chart::ChartKind::Observer
             && !self.machine.observes(state)
         {

@@ -1,6 +1,6 @@
 //! Syntax tree to machine: every name becomes an id, or an error.
 //!
-//! Gone after it: names as references, `any`, `move` (it is a state of its own with two
+//! Gone after it: names as references, `any`, choices, joins, `move` (it is a state of its own with two
 //! transitions), `rise` and `fall`, actuators' technology laws (they are drives), the short form of
 //! actuators, transitions without a guard.
 //!
@@ -9,11 +9,12 @@
 //! 1. [`signals`]: inputs, outputs, variables, events
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: observers, charts, regions and states, movements among them
-//! 4. [`transitions`]: transitions and what they do
-//! 5. [`behaviour`]: what states drive, set and reset
-//! 6. [`safety`]: constraints and assumptions, split into products
-//! 7. [`plant`]: actuators that travel, rules for other inputs
-//! 8. [`scenarios`]: tests of the machine, times in scans
+//! 4. [`targets`]: where regions begin, where transitions lead
+//! 5. [`transitions`]: transitions and what they do
+//! 6. [`behaviour`]: what states drive, set and reset
+//! 7. [`safety`]: constraints and assumptions, split into products
+//! 8. [`plant`]: actuators that travel, rules for other inputs
+//! 9. [`scenarios`]: tests of the machine, times in scans
 
 mod actuators;
 mod behaviour;
@@ -25,6 +26,7 @@ mod scenarios;
 mod seen;
 mod signals;
 mod states;
+mod targets;
 mod transitions;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Id};
@@ -46,8 +48,11 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     resolver.cycle(tree);
     signals::resolve(&mut resolver, tree);
     actuators::resolve(&mut resolver, tree);
-    let bodies = states::resolve(&mut resolver, tree);
-    transitions::resolve(&mut resolver, &bodies);
+    let (bodies, mut choices) = states::resolve(&mut resolver, tree);
+    targets::complete(&mut resolver, &choices);
+    targets::begin(&mut resolver, &mut choices);
+    transitions::resolve(&mut resolver, &bodies, &mut choices);
+    targets::used(&mut resolver, &choices);
     behaviour::resolve(&mut resolver, &bodies);
     safety::resolve(&mut resolver, tree);
     plant::resolve(&mut resolver, tree);

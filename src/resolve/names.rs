@@ -23,7 +23,10 @@ pub enum Symbol {
 pub struct Names {
     symbols: HashMap<String, (Symbol, Span)>,
     actuators: HashMap<String, (chart::ActuatorId, Span)>,
-    states: HashMap<(chart::RegionId, String), chart::StateId>,
+    /// States and choices.
+    states: HashMap<(chart::RegionId, String), Place>,
+    /// Where each choice is declared.
+    choices: Vec<Span>,
     regions: HashMap<(Option<chart::StateId>, usize, String), chart::RegionId>,
     /// All states and regions of a name, in order of declaration.
     everywhere: HashMap<String, Vec<Place>>,
@@ -34,9 +37,11 @@ pub struct Names {
 
 /// What a path can lead through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+pub enum Place {
     State(chart::StateId),
     Region(chart::RegionId),
+    /// The choice of that number.
+    Choice(usize),
 }
 
 /// The text of a description, empty if there is none.
@@ -102,16 +107,31 @@ impl Resolver {
 
     /// Enters a state into its region.
     pub fn declare_state(&mut self, name: &ast::Name, region: chart::RegionId, id: chart::StateId) {
+        self.declare_place(name, region, Place::State(id));
+    }
+
+    /// Enters a choice into its region; they are numbered as they come.
+    pub fn declare_choice(&mut self, name: &ast::Name, region: chart::RegionId) {
+        let place = Place::Choice(self.names.choices.len());
+        self.names.choices.push(name.span);
+        self.declare_place(name, region, place);
+    }
+
+    fn declare_place(&mut self, name: &ast::Name, region: chart::RegionId, place: Place) {
         self.legal(name);
         let folded = iec::fold(&name.text);
-        self.names.everywhere.entry(folded.clone()).or_default().push(Place::State(id));
+        self.names.everywhere.entry(folded.clone()).or_default().push(place);
         self.names.state_list.push(name.text.clone());
         match self.names.states.entry((region, folded)) {
             Entry::Vacant(entry) => {
-                entry.insert(id);
+                entry.insert(place);
             }
             Entry::Occupied(entry) => {
-                let first = self.machine.states[*entry.get()].span;
+                let first = match *entry.get() {
+                    Place::State(id) => self.machine.states[id].span,
+                    Place::Choice(choice) => self.names.choices[choice],
+                    Place::Region(_) => unreachable!("regions have a list of their own"),
+                };
                 self.duplicate(name, first);
             }
         }
@@ -280,13 +300,37 @@ impl Resolver {
     /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
     /// else anywhere in the machine if only one fits.
     pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {
+        match self.find(parts, region, false)? {
+            Place::State(id) => Some(id),
+            Place::Region(_) | Place::Choice(_) => None,
+        }
+    }
+
+    /// The state that a path means.
+    pub fn path(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<chart::StateId> {
+        self.state(&words(path), Some(region))
+    }
+
+    /// The state or choice that a path means.
+    pub fn target(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<Place> {
+        self.find(&words(path), Some(region), true)
+    }
+
+    /// The state that `parts` mean, or choice if one may stand there.
+    fn find(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>, choices: bool) -> Option<Place> {
         let span = parts[0].1.to(parts[parts.len() - 1].1);
         let text = parts.iter().map(|p| p.0).collect::<Vec<_>>().join(".");
         if let Some(start) = region.and_then(|r| self.outward(parts[0].0, r)) {
             return match self.follow(start, &parts[1..]) {
-                Ok(Place::State(id)) => Some(id),
-                Ok(Place::Region(_)) => {
-                    self.not_a_state(&text, span);
+                Ok(place) if choices || !matches!(place, Place::Choice(_)) => {
+                    if let Place::Region(_) = place {
+                        self.not_a_state(&text, span);
+                        return None;
+                    }
+                    Some(place)
+                }
+                Ok(_) => {
+                    self.is_a_choice(&text, span);
                     None
                 }
                 Err(i) => {
@@ -301,9 +345,18 @@ impl Resolver {
             };
         }
         let found = self.places(parts);
-        let states = states_of(&found);
+        let fits = |p: &Place| match p {
+            Place::State(_) => true,
+            Place::Choice(_) => choices,
+            Place::Region(_) => false,
+        };
+        let states: Vec<Place> = found.iter().copied().filter(fits).collect();
         match states[..] {
             [one] => Some(one),
+            [] if found.iter().any(|p| matches!(p, Place::Choice(_))) => {
+                self.is_a_choice(&text, span);
+                None
+            }
             [] if !found.is_empty() => {
                 self.not_a_state(&text, span);
                 None
@@ -318,7 +371,11 @@ impl Resolver {
                 None
             }
             _ => {
-                let paths: Vec<String> = states.iter().map(|&s| self.machine.state_path(s)).collect();
+                let path = |place: &Place| match *place {
+                    Place::State(id) => Some(self.machine.state_path(id)),
+                    Place::Region(_) | Place::Choice(_) => None,
+                };
+                let paths: Vec<String> = states.iter().filter_map(path).collect();
                 let shown = paths.iter().take(4).map(|p| format!("`{p}`")).collect::<Vec<_>>().join(", ");
                 let more = if paths.len() > 4 { format!(" and {} more", paths.len() - 4) } else { String::new() };
                 self.diagnostics.push(
@@ -331,9 +388,21 @@ impl Resolver {
         }
     }
 
+    fn is_a_choice(&mut self, text: &str, span: Span) {
+        self.diagnostics.push(
+            Diagnostic::new(Code::WrongKind, format!("`{text}` is a choice"))
+                .label(span, "a state is expected here")
+                .help("a choice is never active: only transitions and branches lead to it, and none leaves it but its branches"),
+        );
+    }
+
     /// All states that a path can mean, searched in the whole machine.
     pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
-        states_of(&self.places(parts))
+        let state = |p: Place| match p {
+            Place::State(id) => Some(id),
+            Place::Region(_) | Place::Choice(_) => None,
+        };
+        self.places(parts).into_iter().filter_map(state).collect()
     }
 
     fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
@@ -355,8 +424,8 @@ impl Resolver {
         let folded = iec::fold(name);
         let mut at = Some(region);
         while let Some(r) = at {
-            if let Some(&s) = self.names.states.get(&(r, folded.clone())) {
-                return Some(Place::State(s));
+            if let Some(&place) = self.names.states.get(&(r, folded.clone())) {
+                return Some(place);
             }
             let region = &self.machine.regions[r];
             if let Some(&r) = self.names.regions.get(&(region.parent, region.chart, folded.clone())) {
@@ -373,13 +442,14 @@ impl Resolver {
         for (i, (name, _)) in rest.iter().enumerate() {
             let folded = iec::fold(name);
             let next = match place {
-                Place::Region(r) => self.names.states.get(&(r, folded)).map(|&s| Place::State(s)),
+                Place::Region(r) => self.names.states.get(&(r, folded)).copied(),
+                Place::Choice(_) => None,
                 Place::State(s) => {
                     let state = &self.machine.states[s];
                     let chart = self.machine.regions[state.region].chart;
                     match state.regions.as_slice() {
                         [only] if self.machine.regions[*only].name.is_none() => {
-                            self.names.states.get(&(*only, folded)).map(|&s| Place::State(s))
+                            self.names.states.get(&(*only, folded)).copied()
                         }
                         _ => self.names.regions.get(&(Some(s), chart, folded)).map(|&r| Place::Region(r)),
                     }
@@ -391,12 +461,9 @@ impl Resolver {
     }
 }
 
-fn states_of(places: &[Place]) -> Vec<chart::StateId> {
-    let state = |p: &Place| match p {
-        Place::State(id) => Some(*id),
-        Place::Region(_) => None,
-    };
-    places.iter().filter_map(state).collect()
+/// The words of a path with their places.
+fn words(path: &ast::Path) -> Vec<(&str, Span)> {
+    path.parts.iter().map(|n| (n.text.as_str(), n.span)).collect()
 }
 
 /// What a symbol is, in words.

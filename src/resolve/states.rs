@@ -1,14 +1,16 @@
 //! Declared observers, charts, regions and states to those of the machine; movements become states.
 
 use super::names::describe;
+use super::targets::Choice;
 use super::{ResolvedBody, Resolver};
 use crate::base::{Code, Diagnostic, Span};
 use crate::ir::{ast, chart};
 
 /// Enters the states of all charts and returns the braces that hold transitions and behaviour, in
-/// the order in which they open.
-pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> Vec<ResolvedBody<'a>> {
+/// the order in which they open, and the choices.
+pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> (Vec<ResolvedBody<'a>>, Vec<Choice<'a>>) {
     let mut bodies = Vec::new();
+    let mut choices = Vec::new();
     if tree.charts.is_empty() && !r.diagnostics.has_errors() {
         r.diagnostics.push(
             Diagnostic::new(Code::NoChart, format!("`{}` has no chart", tree.name.text))
@@ -18,7 +20,13 @@ pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> Vec<ResolvedBody
     }
     for declared in &tree.observers {
         let kind = chart::ChartKind::Observer;
-        let region = chart(r, &mut bodies, kind, (&declared.name, &declared.description), (&declared.body, None));
+        let region = chart(
+            r,
+            (&mut bodies, &mut choices),
+            kind,
+            (&declared.name, &declared.description),
+            (&declared.body, None),
+        );
         for body in &declared.after_filter {
             let phase = chart::Phase::End;
             bodies.push(ResolvedBody { body, region, owns_region: true, state: None, phase, movements: Vec::new() });
@@ -27,15 +35,15 @@ pub fn resolve<'a>(r: &mut Resolver, tree: &'a ast::Machine) -> Vec<ResolvedBody
     for declared in &tree.charts {
         let kind = chart::ChartKind::Control;
         let body = (&declared.body, declared.controls.as_ref());
-        chart(r, &mut bodies, kind, (&declared.name, &declared.description), body);
+        chart(r, (&mut bodies, &mut choices), kind, (&declared.name, &declared.description), body);
     }
-    bodies
+    (bodies, choices)
 }
 
 /// Enters a chart or observer; returns its first region.
 fn chart<'a>(
     r: &mut Resolver,
-    bodies: &mut Vec<ResolvedBody<'a>>,
+    (bodies, choices): (&mut Vec<ResolvedBody<'a>>, &mut Vec<Choice<'a>>),
     kind: chart::ChartKind,
     (name, description): (&'a ast::Name, &Option<ast::Text>),
     (body, controls): (&'a ast::Body, Option<&ast::Name>),
@@ -53,7 +61,7 @@ fn chart<'a>(
         regions: Vec::new(),
         span: name.span,
     });
-    let mut builder = Builder { r, bodies, chart: index };
+    let mut builder = Builder { r, bodies, choices, chart: index };
     let regions = builder.regions(body, name, controls, None);
     let first = regions[0];
     r.machine.charts[index].regions = regions;
@@ -63,6 +71,7 @@ fn chart<'a>(
 struct Builder<'r, 'a, 'b> {
     r: &'r mut Resolver,
     bodies: &'b mut Vec<ResolvedBody<'a>>,
+    choices: &'b mut Vec<Choice<'a>>,
     chart: usize,
 }
 
@@ -86,6 +95,13 @@ impl<'a> Builder<'_, 'a, '_> {
                 )
                 .label(state.name.span, "a state outside the regions")
                 .label(body.regions[0].name.span, "the first region"),
+            );
+        }
+        if let Some(choice) = body.choices.first() {
+            self.r.diagnostics.push(
+                Diagnostic::new(Code::WrongKind, "no region holds this choice")
+                    .label(choice.name.span, "beside the regions")
+                    .help("write it between the braces of the region whose states it leads to"),
             );
         }
         if let (None, Some(transition)) = (parent, body.transitions.first()) {
@@ -151,6 +167,7 @@ impl<'a> Builder<'_, 'a, '_> {
             parent,
             actuator,
             states: Vec::new(),
+            entries: Vec::new(),
             initial: chart::StateId::from_index(0),
             span,
         });
@@ -176,6 +193,10 @@ impl<'a> Builder<'_, 'a, '_> {
         for state in &body.states {
             self.state(state, id);
         }
+        for choice in &body.choices {
+            self.r.declare_choice(&choice.name, id);
+            self.choices.push(Choice { written: choice, region: id, used: false });
+        }
         self.initial(body, id, span);
         for (i, transition) in body.transitions.iter().enumerate() {
             if let Some(state) = self.movement(transition, id) {
@@ -186,14 +207,19 @@ impl<'a> Builder<'_, 'a, '_> {
     }
 
     fn initial(&mut self, body: &ast::Body, region: chart::RegionId, span: Span) {
-        let mut initial = body.states.iter().enumerate().filter_map(|(i, s)| s.initial.map(|at| (i, at)));
+        let states = body.states.iter().enumerate().filter_map(|(i, s)| s.initial.map(|at| (Some(i), at)));
+        // Where an initial choice leads is known later.
+        let choices = body.choices.iter().filter_map(|c| c.initial.map(|at| (None, at)));
+        let mut initial = states.chain(choices);
         match (initial.next(), initial.next()) {
             (Some((i, _)), None) => {
-                let state = self.r.machine.regions[region].states[i];
-                self.r.machine.regions[region].initial = state;
+                if let Some(i) = i {
+                    let state = self.r.machine.regions[region].states[i];
+                    self.r.machine.regions[region].initial = state;
+                }
             }
             (Some((_, first)), Some((_, second))) => self.r.diagnostics.push(
-                Diagnostic::new(Code::SeveralInitialStates, "two states are initial")
+                Diagnostic::new(Code::SeveralInitialStates, "a region begins in two places")
                     .label(second, "the second one")
                     .label(first, "the first one"),
             ),
@@ -238,7 +264,10 @@ impl<'a> Builder<'_, 'a, '_> {
             }
             return;
         };
-        let composite = !body.states.is_empty() || !body.regions.is_empty() || !body.transitions.is_empty();
+        let composite = !body.states.is_empty()
+            || !body.regions.is_empty()
+            || !body.choices.is_empty()
+            || !body.transitions.is_empty();
         let mut inner = region;
         if composite {
             match (declared.parallel, body.regions.is_empty()) {
@@ -336,8 +365,8 @@ impl<'a> Builder<'_, 'a, '_> {
     fn movement(&mut self, transition: &ast::Transition, region: chart::RegionId) -> Option<chart::StateId> {
         let movement = transition.movement.as_ref()?;
         let ast::Source::State(source) = &transition.source else { unreachable!("a movement starts in one state") };
-        let (from, to) =
-            (&source.parts[source.parts.len() - 1], &transition.target.parts[transition.target.parts.len() - 1]);
+        let ast::Target::State(target) = &transition.target else { unreachable!("a movement leads to one state") };
+        let (from, to) = (&source.parts[source.parts.len() - 1], &target.parts[target.parts.len() - 1]);
         let name = movement
             .name
             .clone()

@@ -2,12 +2,13 @@
 
 use super::expressions::Context;
 use super::names::describe;
+use super::targets::{self, Choice};
 use super::{ResolvedBody, Resolver};
 use crate::base::{Code, Diagnostic, Span};
-use crate::ir::chart::{self, Atom, Guard, StateKind, Technology};
+use crate::ir::chart::{self, Atom, Guard, Inside, StateKind, Technology};
 use crate::ir::{ast, expr::Expr};
 
-pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
+pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut [Choice<'a>]) {
     let mut found = Vec::new();
     for body in bodies {
         if let Some(state) = body.state {
@@ -20,7 +21,7 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
         for (i, written) in body.body.transitions.iter().enumerate() {
             match body.movements.iter().find(|(at, _)| *at == i) {
                 Some(&(_, state)) => movement(r, body, written, state, &mut found),
-                None => plain(r, body, written, &mut found),
+                None => plain(r, choices, body, written, &mut found),
             }
         }
     }
@@ -47,6 +48,7 @@ fn limits(r: &mut Resolver) {
         found.push(chart::Transition {
             source: id,
             target: id,
+            inside: Inside::Default,
             internal: true,
             scope: state.region,
             phase: chart::Phase::Start,
@@ -76,44 +78,77 @@ fn limits(r: &mut Resolver) {
     }
 }
 
-fn plain(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Transition, into: &mut Vec<chart::Transition>) {
-    let target = find(r, body, &written.target);
-    let sources = match &written.source {
-        ast::Source::State(path) => find(r, body, path).into_iter().collect(),
-        ast::Source::Any(_) if body.owns_region => r.machine.regions[body.region].states.clone(),
+fn plain<'a>(
+    r: &mut Resolver,
+    choices: &mut [Choice<'a>],
+    body: &ResolvedBody<'a>,
+    written: &'a ast::Transition,
+    into: &mut Vec<chart::Transition>,
+) {
+    let (sources, joined) = sources(r, body, &written.source);
+    for (i, &source) in sources.iter().enumerate() {
+        let before = r.diagnostics.clone();
+        let guard = guard(r, body, written, source, &joined);
+        let ways = targets::ways(r, choices, &written.target, body.region, Some((source, body.phase)));
+        for way in ways.iter().flatten() {
+            let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
+            let Some(scope) = r.machine.scope(source, way.target) else {
+                r.diagnostics.push(
+                    Diagnostic::new(Code::WrongKind, "no region holds both states")
+                        .label(written.span, "from one chart or one of its regions into another")
+                        .help("let a guard of the other one read `in(STATE)`"),
+                );
+                return;
+            };
+            jump(r, written.span, source, way.target);
+            let own = written.description.iter().map(|t| t.value.as_str());
+            let description = own.chain(way.descriptions.iter().copied()).collect::<Vec<_>>().join(", ");
+            into.push(chart::Transition {
+                source,
+                target: way.target,
+                inside: way.inside.clone(),
+                internal: false,
+                phase: body.phase,
+                scope,
+                guard: Expr::all([guard.clone(), way.exact.clone()]),
+                deeds,
+                priority: written.priority.map(|(n, _)| n),
+                description,
+                span: written.span,
+            });
+        }
+        if ways.is_none() {
+            // The rest may hold errors of its own.
+            r.deeds(&written.effects, "this transition");
+            return;
+        }
+        if i > 0 {
+            // What is wrong with the text has been said for the first source.
+            r.diagnostics = before;
+        }
+    }
+    if sources.is_empty() {
+        targets::ways(r, choices, &written.target, body.region, None);
+    }
+}
+
+/// The states from which it leads, and what a join asks for besides.
+fn sources(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Source) -> (Vec<chart::StateId>, Vec<Guard>) {
+    match written {
+        ast::Source::State(path) => (r.path(path, body.region).into_iter().collect(), Vec::new()),
+        ast::Source::Join(paths) => match r.side_by_side(paths, body.region) {
+            Some((parallel, states)) => (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect()),
+            None => (Vec::new(), Vec::new()),
+        },
+        ast::Source::Any(_) if body.owns_region => (r.machine.regions[body.region].states.clone(), Vec::new()),
         ast::Source::Any(span) => {
             r.diagnostics.push(
                 Diagnostic::new(Code::WrongKind, "`any` means each state of a region, and this is not in one")
                     .label(*span, "beside the regions of a parallel state")
                     .help("name the parallel state itself"),
             );
-            Vec::new()
+            (Vec::new(), Vec::new())
         }
-    };
-    let Some(target) = target else {
-        // The rest may hold errors of its own.
-        if let Some(&source) = sources.first() {
-            details(r, body, written, source);
-        }
-        return;
-    };
-    for (i, &source) in sources.iter().enumerate() {
-        let before = r.diagnostics.clone();
-        let (guard, deeds) = details(r, body, written, source);
-        if i > 0 {
-            // What is wrong with the text has been said for the first source.
-            r.diagnostics = before;
-        }
-        let Some(scope) = r.machine.scope(source, target) else {
-            r.diagnostics.push(
-                Diagnostic::new(Code::WrongKind, "no region holds both states")
-                    .label(written.span, "from one chart or one of its regions into another")
-                    .help("let a guard of the other one read `in(STATE)`"),
-            );
-            return;
-        };
-        jump(r, written.span, source, target);
-        into.push(transition(written, source, target, (scope, body.phase), guard, deeds));
     }
 }
 
@@ -140,16 +175,32 @@ fn movement(
     state: chart::StateId,
     into: &mut Vec<chart::Transition>,
 ) {
-    let ast::Source::State(path) = &written.source else { unreachable!("a movement starts in one state") };
-    let (source, target) = (find(r, body, path), find(r, body, &written.target));
+    let (ast::Source::State(from), ast::Target::State(to)) = (&written.source, &written.target) else {
+        unreachable!("a movement leads from one state to one state")
+    };
+    let (source, target) = (r.path(from, body.region), r.path(to, body.region));
     if let Some(source) = source {
-        let (guard, deeds) = details(r, body, written, source);
+        let guard = guard(r, body, written, source, &[]);
+        let deeds = r.deeds(&written.effects, "this transition");
         if let Some(sensor) = target.and_then(|target| sensor(r, body, written, state, source, target)) {
             let target = target.expect("a sensor belongs to a target");
-            into.push(transition(written, source, state, (body.region, body.phase), guard, deeds));
+            into.push(chart::Transition {
+                source,
+                target: state,
+                inside: Inside::Default,
+                internal: false,
+                phase: body.phase,
+                scope: body.region,
+                guard,
+                deeds,
+                priority: written.priority.map(|(n, _)| n),
+                description: describe(&written.description),
+                span: written.span,
+            });
             into.push(chart::Transition {
                 source: state,
                 target,
+                inside: Inside::Default,
                 scope: body.region,
                 phase: body.phase,
                 guard: sensor,
@@ -235,24 +286,21 @@ fn sensor(
     Some(sensor)
 }
 
-fn find(r: &mut Resolver, body: &ResolvedBody<'_>, path: &ast::Path) -> Option<chart::StateId> {
-    let parts: Vec<(&str, Span)> = path.parts.iter().map(|n| (n.text.as_str(), n.span)).collect();
-    r.state(&parts, Some(body.region))
-}
-
-/// Guard and effects; without `when`, a composite source waits for `done`.
-fn details(
+/// The guard; without `when`, a composite source waits for `done`, and a join for its states.
+fn guard(
     r: &mut Resolver,
     body: &ResolvedBody<'_>,
     written: &ast::Transition,
     source: chart::StateId,
-) -> (Guard, chart::Deeds) {
+    joined: &[Guard],
+) -> Guard {
     let guard = match &written.guard {
         Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
+        None if !joined.is_empty() => Expr::TRUE,
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
     };
-    (guard, r.deeds(&written.effects, "this transition"))
+    Expr::all(joined.iter().cloned().chain([guard]))
 }
 
 /// A transition that leaves nothing, out of the state between whose braces it is written.
@@ -274,31 +322,10 @@ fn internal(
     chart::Transition {
         source: state,
         target: state,
+        inside: Inside::Default,
         phase: body.phase,
         internal: true,
         scope: r.machine.states[state].region,
-        guard,
-        deeds,
-        priority: written.priority.map(|(n, _)| n),
-        description: describe(&written.description),
-        span: written.span,
-    }
-}
-
-fn transition(
-    written: &ast::Transition,
-    source: chart::StateId,
-    target: chart::StateId,
-    (scope, phase): (chart::RegionId, chart::Phase),
-    guard: Guard,
-    deeds: chart::Deeds,
-) -> chart::Transition {
-    chart::Transition {
-        source,
-        target,
-        internal: false,
-        scope,
-        phase,
         guard,
         deeds,
         priority: written.priority.map(|(n, _)| n),

@@ -29,6 +29,7 @@
 mod code;
 mod filter;
 mod steps;
+mod ways;
 
 use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
@@ -176,7 +177,7 @@ impl Chart {
         self.memory.scan += 1;
         self.sample(inputs);
         if self.memory.scan == 1 {
-            self.steps.begin(self.layout, &mut self.memory, &mut self.configuration);
+            self.steps.begin(&self.code, &mut self.memory, &mut self.configuration);
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }

@@ -10,6 +10,7 @@
 mod behaviour;
 mod observers;
 mod safety;
+mod topology;
 mod tree;
 
 use super::items::Item;
@@ -27,6 +28,7 @@ pub fn model(seed: u64) -> Vec<Item> {
     model.plan_observers();
     model.tree(size);
     model.transitions();
+    model.topology();
     model.behaviour();
     let safety = model.safety();
     let mut items = model.declarations();
@@ -67,6 +69,8 @@ struct Region {
     variables: Vec<usize>,
     /// The bistable actuators that may be driven in it.
     bistable: Vec<usize>,
+    /// The choice by which it begins, if it does not begin at its initial state.
+    begins: Option<Item>,
     lines: Vec<Item>,
 }
 

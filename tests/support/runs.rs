@@ -193,7 +193,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
         let meaning = match global.role {
             // What takes a long rung is computed in parts.
             _ if global.name.starts_with("Part") => None,
-            Role::Input | Role::Condition | Role::Filter => None,
+            Role::Input | Role::Condition | Role::Filter | Role::History => None,
             Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
             Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
             Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),

@@ -1,8 +1,9 @@
 //! Transitions to tables: what each leaves and enters is known before the first scan.
 //!
 //! A transition's source lies in one state of its scope, and firing leaves that state with all that is
-//! inside, active or not: a mask over the words of states. What it enters depends on nothing but the
-//! transition: another mask, and for each entered region its new state.
+//! inside, active or not: a mask over the words of states. What it enters mostly depends on nothing but
+//! the transition: another mask, and for each entered region its new state. Where it depends on guards
+//! or on where a region was left, it is looked up when the transition fires, see [`ways`](super::ways).
 //!
 //! Observers step first, all at once, and then the other charts. What an observer does after the filter is
 //! a table of its own: flat, so that its active state says what to look at.
@@ -16,7 +17,8 @@
 //! states do when they are left comes before all that, because it asks which of them were active.
 
 use super::code::{Code, Condition, HALF, Layout, Memory, append, part};
-use crate::ir::chart::{Atom, ChartKind, Deeds, Machine, Phase, RegionId, StateId, Transition, TransitionId};
+use super::ways::{Way, Ways};
+use crate::ir::chart::{Atom, ChartKind, Deeds, Inside, Machine, Phase, RegionId, StateId, Transition, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -32,7 +34,16 @@ struct Step {
     /// The states with something to do when they are left that it may leave.
     exits: Range<u32>,
     changes: Range<u32>,
-    enters: Range<u32>,
+    enters: Enters,
+}
+
+/// What a transition enters.
+#[derive(Clone, Debug)]
+enum Enters {
+    /// Always the same: for each region, its new state; their bits are among the changes.
+    Fixed(Range<u32>),
+    /// It depends.
+    Looked(Way),
 }
 
 /// A state that does something when it is left.
@@ -74,19 +85,20 @@ pub struct Steps {
     controlling: Range<u32>,
     /// The regions with transitions that are tried after the filter.
     again: Range<u32>,
-    /// What the first scan enters.
-    initial: Vec<(RegionId, StateId)>,
+    ways: Ways,
+    layout: Layout,
 }
 
 /// Which state is active in each region, and room for work that never has to grow.
 #[derive(Clone, Debug)]
 pub struct Configuration {
-    /// The active state of each region; of an inactive region, anything.
+    /// The active state of each region; of an inactive one, the last one, if there was one.
     active: Vec<StateId>,
     /// The transitions that fired in this scan.
     fired: Vec<TransitionId>,
-    /// The same as places in the table.
-    firing: Vec<u32>,
+    /// The same as places in the table, with what they enter as far as it was looked up.
+    firing: Vec<(u32, Range<u32>)>,
+    looked: Vec<(RegionId, StateId)>,
     /// Active regions that have still to be looked at.
     open: Vec<RegionId>,
 }
@@ -100,6 +112,7 @@ impl Configuration {
             active: machine.regions.values().map(|r| r.initial).collect(),
             fired: Vec::with_capacity(regions),
             firing: Vec::with_capacity(regions),
+            looked: Vec::with_capacity(regions),
             open: Vec::with_capacity(regions),
         }
     }
@@ -127,16 +140,14 @@ impl Steps {
             observing: 0..0,
             controlling: 0..0,
             again: 0..0,
-            initial: Vec::new(),
+            ways: Ways::of(machine, code),
+            layout,
         };
         let outermost = |kind: ChartKind| {
             machine.charts.iter().filter(move |c| c.kind == kind).flat_map(|c| c.regions.iter().copied())
         };
         all.observing = append(&mut all.regions, outermost(ChartKind::Observer));
         all.controlling = append(&mut all.regions, outermost(ChartKind::Control));
-        for region in outermost(ChartKind::Observer).chain(outermost(ChartKind::Control)) {
-            enter(machine, machine.regions[region].initial, None, &mut all.initial);
-        }
         let mut again = vec![false; machine.regions.len()];
         machine.transitions.values().filter(|t| t.phase == Phase::End).for_each(|t| again[t.scope.index()] = true);
         all.again = append(&mut all.regions, outermost(ChartKind::Observer).filter(|r| again[r.index()]));
@@ -210,9 +221,14 @@ impl Steps {
         // Clearing and setting, by word.
         let mut words: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
         let mut entered = Vec::new();
+        let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
+        let mut fixed = true;
         if !t.internal {
-            let first = machine.child_in(t.scope, t.target).expect("the scope contains the target");
-            enter(machine, first, Some(t.target), &mut entered);
+            fixed =
+                matches!(t.inside, Inside::Default | Inside::Fork(_)) && enter(machine, first, t.goals(), &mut entered);
+            if !fixed {
+                entered.clear();
+            }
             for &(word, mask) in within {
                 words.entry(word).or_default().0 |= mask;
             }
@@ -224,16 +240,33 @@ impl Steps {
         write(&t.deeds, layout, &mut words);
         let exits = if t.internal { 0..0 } else { self.leavers[child.index()].clone() };
         let changes = append(&mut self.changes, changes(words));
-        let enters = append(&mut self.enters, entered);
+        let enters = if fixed {
+            Enters::Fixed(append(&mut self.enters, entered))
+        } else {
+            Enters::Looked(self.ways.way(machine, first, t))
+        };
         self.steps.push(Step { id, enabled, internal: t.internal, exits, changes, enters });
     }
 
-    /// Enters the initial states.
-    pub fn begin(&self, layout: Layout, memory: &mut Memory, configuration: &mut Configuration) {
-        for &(region, state) in &self.initial {
-            configuration.active[region.index()] = state;
+    /// Enters the outermost regions.
+    pub fn begin(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { active, looked, .. } = configuration;
+        // Charts see where observers begin.
+        for outermost in [&self.observing, &self.controlling] {
+            looked.clear();
+            for &region in part(&self.regions, outermost) {
+                self.ways.begin(region, code, memory, looked);
+            }
+            self.enter(looked, active, memory);
+        }
+    }
+
+    /// Enters what has been looked up.
+    fn enter(&self, looked: &[(RegionId, StateId)], active: &mut [StateId], memory: &mut Memory) {
+        for &(region, state) in looked {
+            active[region.index()] = state;
             memory.entered[state.index()] = memory.scan;
-            let (word, bit) = layout.state(state);
+            let (word, bit) = self.layout.state(state);
             memory.words[word] |= bit;
             self.greet(state, memory);
         }
@@ -253,7 +286,7 @@ impl Steps {
             let candidates = self.ending[configuration.active[region.index()].index()].clone();
             let holds = |s: &Step| code.holds(s.enabled, memory);
             if let Some(at) = part(&self.steps, &candidates).iter().position(holds) {
-                configuration.firing.push(candidates.start + at as u32);
+                configuration.firing.push((candidates.start + at as u32, 0..0));
             }
         }
         self.fire(memory, configuration);
@@ -261,23 +294,29 @@ impl Steps {
 
     /// The charts with these outermost regions take one step.
     fn step_of(&self, outermost: &Range<u32>, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, firing, open, .. } = &mut *configuration;
+        let Configuration { active, firing, looked, open, .. } = &mut *configuration;
         firing.clear();
+        looked.clear();
         open.extend_from_slice(part(&self.regions, outermost));
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
             let fires = part(&self.steps, &candidates).iter().position(|s| code.holds(s.enabled, memory));
             if let Some(at) = fires {
-                firing.push(candidates.start + at as u32);
+                let at = candidates.start + at as u32;
+                let from = looked.len() as u32;
+                if let Enters::Looked(way) = &self.steps[at as usize].enters {
+                    self.ways.look(way, code, memory, active, looked);
+                }
+                firing.push((at, from..looked.len() as u32));
             }
             if fires.is_none_or(|at| self.steps[candidates.start as usize + at].internal) {
                 open.extend_from_slice(part(&self.regions, &self.inside[state]));
             }
         }
         if !self.exits.is_empty() {
-            for &at in firing.iter() {
-                for exit in part(&self.exits, &self.steps[at as usize].exits) {
+            for (at, _) in firing.iter() {
+                for exit in part(&self.exits, &self.steps[*at as usize].exits) {
                     if memory.words[exit.word as usize] & exit.bit != 0 {
                         self.change(&exit.changes, memory);
                     }
@@ -289,14 +328,19 @@ impl Steps {
 
     /// Fires what has been found.
     fn fire(&self, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, fired, firing, .. } = configuration;
-        for &at in firing.iter() {
-            let step = &self.steps[at as usize];
+        let Configuration { active, fired, firing, looked, .. } = configuration;
+        for (at, of_looked) in firing.iter() {
+            let step = &self.steps[*at as usize];
             self.change(&step.changes, memory);
-            for &(region, state) in part(&self.enters, &step.enters) {
-                active[region.index()] = state;
-                memory.entered[state.index()] = memory.scan;
-                self.greet(state, memory);
+            match &step.enters {
+                Enters::Fixed(enters) => {
+                    for &(region, state) in part(&self.enters, enters) {
+                        active[region.index()] = state;
+                        memory.entered[state.index()] = memory.scan;
+                        self.greet(state, memory);
+                    }
+                }
+                Enters::Looked(_) => self.enter(part(looked, of_looked), active, memory),
             }
             fired.push(step.id);
         }
@@ -355,15 +399,16 @@ fn within(machine: &Machine, layout: Layout) -> Vec<Vec<(usize, u64)>> {
     within
 }
 
-/// What is entered with `state`: on the way down to `target` each region that contains it takes that
-/// way, every other region its initial state.
-fn enter(machine: &Machine, state: StateId, target: Option<StateId>, into: &mut Vec<(RegionId, StateId)>) {
+/// What is entered with `state`, if that is always the same: on the way down to `goals` each region that
+/// contains one takes that way, every other region begins where it begins.
+fn enter(machine: &Machine, state: StateId, goals: &[StateId], into: &mut Vec<(RegionId, StateId)>) -> bool {
     into.push((machine.states[state].region, state));
-    let target = target.filter(|&t| t != state);
-    for &region in &machine.states[state].regions {
-        match target.and_then(|t| machine.child_in(region, t)) {
-            Some(child) => enter(machine, child, target, into),
-            None => enter(machine, machine.regions[region].initial, None, into),
+    machine.states[state].regions.iter().all(|&region| {
+        let mut named = goals.iter().filter(|&&goal| goal != state).filter_map(|&g| machine.child_in(region, g));
+        let begins = &machine.regions[region];
+        match named.next() {
+            Some(child) => enter(machine, child, goals, into),
+            None => begins.entries.is_empty() && enter(machine, begins.initial, &[], into),
         }
-    }
+    })
 }

@@ -194,7 +194,7 @@ impl Model {
     }
 
     /// Writes a transition into a region; one that belongs to a parallel state may stand beside them.
-    fn put(&mut self, region: usize, text: String) {
+    pub fn put(&mut self, region: usize, text: String) {
         self.regions[region].lines.push(Item::line(text));
     }
 
@@ -205,7 +205,7 @@ impl Model {
         self.priorities.pop().map(|p| format!(" priority {p}")).unwrap_or_default()
     }
 
-    fn effects(&mut self, scope: usize) -> String {
+    pub fn effects(&mut self, scope: usize) -> String {
         if !self.rng.chance(35) {
             return String::new();
         }
@@ -287,7 +287,7 @@ impl Model {
     }
 
     /// The guard of a transition, which may wait for some time.
-    fn timed(&mut self, depth: usize) -> String {
+    pub fn timed(&mut self, depth: usize) -> String {
         let (guard, time) = (self.guard(depth), self.rng.between(1, 80));
         match self.rng.below(100) {
             0..=3 => format!("after {time}ms"),

@@ -75,6 +75,7 @@ impl Model {
             initial: 0,
             variables: variables.to_vec(),
             bistable: bistable.to_vec(),
+            begins: None,
             lines: Vec::new(),
         });
         let count = self.rng.between(1, 6.min(size)).max(2.min(size));
@@ -165,15 +166,16 @@ impl Model {
     }
 
     fn body(&mut self, region: usize) -> Vec<Item> {
-        let Region { states, initial, actuator, lines, .. } = self.regions[region].clone();
-        let mut items = Vec::new();
+        let Region { states, initial, actuator, begins, lines, .. } = self.regions[region].clone();
+        let begins_here = |state| begins.is_none() && state == initial;
+        let mut items: Vec<Item> = begins.iter().cloned().collect();
         for state in states {
             if self.states[state].movement {
                 continue;
             }
             let State { name, regions, is_final, position, lines, .. } = self.states[state].clone();
             let mut head = String::new();
-            if state == initial {
+            if begins_here(state) {
                 head.push_str("initial ");
             }
             if is_final {

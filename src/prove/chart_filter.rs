@@ -86,7 +86,7 @@ pub fn rounds(machine: &Machine, sat: &mut Sat) -> Option<usize> {
 fn sweeps_suffice(machine: &Machine, sat: &mut Sat, sweeps: usize) -> bool {
     let mut aig = Aig::new();
     let commands: Vec<Lit> = machine.outputs.values().map(|o| aig.leaf(&o.name)).collect();
-    let active = configuration::any(&mut aig, machine, std::iter::empty()).active;
+    let active = configuration::active(&mut aig, machine);
     let mut readings = HashMap::new();
     let mut read = |aig: &mut Aig, atom: Atom| match atom {
         Atom::In(s) => active[s.index()],

@@ -87,7 +87,11 @@ proptest! {
                 | LadderShape::Contact(_)
                 | LadderShape::Preset { .. }
                 | LadderShape::Timer { .. }
+                | LadderShape::Operand { .. }
+                | LadderShape::Result { .. }
                 | LadderShape::Coil { .. } => {}
+                // It has no right rail.
+                LadderShape::Function { .. } => end = Some(bottom(element)),
             }
         }
     }

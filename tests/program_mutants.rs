@@ -22,6 +22,7 @@
 
 use crate::support::damage::{Mutant, mutant};
 use crate::support::models;
+use crate::support::numbers;
 use crate::support::proof::{Simulated, build, read_back};
 use crate::support::rng::Rng;
 use chartwright::ir::chart::Machine;
@@ -76,6 +77,36 @@ fn damaged_programs_are_refuted() {
     }
     println!("{made} made, {refuted} refuted, {proved} proved, {} unknown", unknown.len());
     assert!(unknown.is_empty(), "{}", unknown.join("\n"));
+}
+
+#[test]
+fn programs_that_count_wrong_are_refuted() {
+    for (name, least) in [("counter", 60), ("lots", 70)] {
+        let model = models::all().into_iter().find(|m| m.name == name).expect("it is a model");
+        let output = build(&model.source, Dialect::Beremiz).expect("the models are right");
+        let names = Correspondence::of(&output.machine, &output.project);
+        let (mut refuted, mut proved, mut unknown) = (0, Vec::new(), Vec::new());
+        for (seed, Mutant { project, what }) in numbers::mutants(&read_back(&output)).into_iter().enumerate() {
+            match equivalence(&output.machine, &names, &project) {
+                Verdict::Refuted(trace) => {
+                    refuted += 1;
+                    confirm(&output.machine, &names, &project, &trace, &what);
+                }
+                Verdict::Proved(_) => {
+                    run(&output.machine, &names, &project, &what, seed as u64);
+                    proved.push(what);
+                }
+                // What only an unreachable value would show; the simulators do not see a difference either.
+                Verdict::Unknown(doubt) => {
+                    run(&output.machine, &names, &project, &what, seed as u64);
+                    unknown.push(format!("{what}: {doubt}"));
+                }
+            }
+        }
+        println!("{name}: {refuted} refuted, {} proved: {proved:#?}", proved.len());
+        assert!(unknown.len() <= 4, "{name}: {unknown:#?}");
+        assert!(refuted >= least, "{name}: {refuted} refuted, {proved:#?} proved");
+    }
 }
 
 /// The simulators see in each scan what the trace says.

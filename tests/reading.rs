@@ -125,8 +125,12 @@ fn every_model_reads_back_in_both_dialects() {
             for global in written.globals.values() {
                 let found =
                     globals().find(|v| v.name == global.name).unwrap_or_else(|| panic!("{name}: {}", global.name));
-                assert_eq!((&found.address, found.initial), (&global.address, i64::from(global.initial)), "{name}");
-                assert_eq!(found.kind, Kind::Bool);
+                let (kind, initial) = match global.initial {
+                    plc::Value::Bool(value) => (Kind::Bool, i64::from(value)),
+                    plc::Value::Int(value) => (Kind::Int { bits: 16, signed: true }, i64::from(value)),
+                };
+                assert_eq!((&found.address, found.initial), (&global.address, initial), "{name}");
+                assert_eq!(found.kind, kind);
             }
             assert_eq!(globals().count(), written.globals.len(), "{name}");
             assert_eq!(read.tick(), Some(i64::from(written.task.interval) * 1000), "{name}");

@@ -200,6 +200,12 @@ codes! {
     IdleInternal "E330" "an internal transition does nothing",
     LimitWithoutMovement "E331" "a time limit stands at a position that no movement leads to",
 
+    BadRange "E340" "the range of an integer, or its initial value, does not fit",
+    WrongAssignment "E341" "a variable is written in a way that its type does not allow",
+    LeavesInt "E342" "an integer expression is too long, or can leave the type INT",
+    DecidedComparison "E343" "a comparison is TRUE, or FALSE, whatever the integers are",
+    NeverInRange "E344" "what is assigned to an integer always lies outside its range",
+    ObserverCounts "E345" "an observer counts or compares",
     ObserverReads "E350" "an observer reads what the charts decide",
     ObserverActs "E351" "an observer does more than to observe",
     NotFlat "E352" "an observer with a part after the filter is more than one region of elementary states",

@@ -29,6 +29,9 @@ pub const PLC_NAME_LENGTH: usize = 64;
 /// Most products that one safety constraint may split into.
 pub const CONSTRAINT_PRODUCTS: usize = 64;
 
+/// Most constants and variables of one integer expression.
+pub const OPERANDS: usize = 32;
+
 /// Most errors that one run reports; the rest is counted.
 pub const REPORTED_ERRORS: usize = 50;
 

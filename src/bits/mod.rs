@@ -4,3 +4,4 @@
 pub mod aig;
 pub mod random;
 pub mod sat;
+pub mod vector;

@@ -1,4 +1,4 @@
-//! Observers know only what observers decide, and one that is tried again after the filter is flat.
+//! Observers know only what observers decide, do not count, and one that is tried again after the filter is flat.
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::chart::{Atom, ChartKind, Machine, Phase};
@@ -7,6 +7,22 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     reads(machine, found);
     events(machine, found);
     flat(machine, found);
+    counts(machine, found);
+}
+
+/// Integers are the charts' business.
+fn counts(machine: &Machine, found: &mut Diagnostics) {
+    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
+        let mut compares = false;
+        t.guard.for_each_atom(&mut |atom| compares |= matches!(atom, Atom::Compare(_)));
+        if compares || !t.deeds.assignments.is_empty() {
+            found.push(
+                Diagnostic::new(Code::ObserverCounts, "observers neither count nor compare")
+                    .label(t.span, "this transition does")
+                    .help("let a chart count what the observer tells: `in(STATE)`"),
+            );
+        }
+    }
 }
 
 /// No observer reads a variable that a control chart writes.

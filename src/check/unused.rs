@@ -10,12 +10,14 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut written = vec![false; machine.variables.len()];
     let mut heard = vec![false; machine.events.len()];
     let mut raised = vec![false; machine.events.len()];
+    let mut compared = vec![false; machine.comparisons.len()];
     let mut driven = vec![false; machine.outputs.len()];
     let mut look = |guard: &Guard| {
         guard.for_each_atom(&mut |atom| match *atom {
             Atom::Input(i) | Atom::PrevInput(i) => inputs[i.index()] = true,
             Atom::Variable(v) => read[v.index()] = true,
             Atom::Event(e) => heard[e.index()] = true,
+            Atom::Compare(c) => compared[c.index()] = true,
             Atom::Output(_) | Atom::PrevOutput(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {}
         });
     };
@@ -74,6 +76,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(event.span, "declared here"),
         );
     }
+    integers(machine, &compared, found);
     for (id, output) in machine.outputs.iter() {
         if !driven[id.index()] {
             found.push(
@@ -82,5 +85,33 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                     .help("write `drives` in a state, or let a region control its actuator"),
             );
         }
+    }
+}
+
+/// Integers: `compared` says which comparisons conditions of the program read.
+fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
+    let mut read = vec![false; machine.integers.len()];
+    let mut written = vec![false; machine.integers.len()];
+    for ((_, comparison), _) in machine.comparisons.iter().zip(compared).filter(|(_, compared)| **compared) {
+        comparison.left.for_each_value(&mut |i| read[i.index()] = true);
+        comparison.right.for_each_value(&mut |i| read[i.index()] = true);
+    }
+    let states = machine.states.values().flat_map(|s| [&s.entry, &s.exit]);
+    let deeds = machine.transitions.values().map(|t| &t.deeds).chain(states);
+    for assignment in deeds.flat_map(|d| &d.assignments) {
+        written[assignment.integer.index()] = true;
+        // What only keeps itself up is of no use to anything else.
+        assignment.value.for_each_value(&mut |i| read[i.index()] |= *i != assignment.integer);
+    }
+    for (id, integer) in machine.integers.iter() {
+        let problem = match (read[id.index()], written[id.index()]) {
+            (true, true) => continue,
+            (false, _) => "never compared with anything",
+            (true, false) => "never given another value",
+        };
+        found.push(
+            Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
+                .label(integer.span, "declared here"),
+        );
     }
 }

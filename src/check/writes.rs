@@ -2,7 +2,7 @@
 
 use super::relation::{Relation, relation, run_together};
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
-use crate::ir::chart::{Machine, RegionId, StateId};
+use crate::ir::chart::{Deeds, Machine, RegionId, StateId};
 
 /// Something that writes a variable.
 #[derive(Clone, Copy)]
@@ -23,20 +23,30 @@ impl Writer {
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut writers = vec![Vec::new(); machine.variables.len()];
-    for t in machine.transitions.values() {
-        for effect in &t.deeds.effects {
-            writers[effect.variable.index()].push(Writer::Step(t.scope, t.span));
+    let mut assigners = vec![Vec::new(); machine.integers.len()];
+    let mut note = |deeds: &Deeds, writer: &dyn Fn(Span) -> Writer| {
+        for effect in &deeds.effects {
+            writers[effect.variable.index()].push(writer(effect.span));
         }
+        for assignment in &deeds.assignments {
+            assigners[assignment.integer.index()].push(writer(assignment.span));
+        }
+    };
+    for t in machine.transitions.values() {
+        note(&t.deeds, &|_| Writer::Step(t.scope, t.span));
+    }
+    for (id, state) in machine.states.iter() {
+        note(&state.entry, &|span| Writer::State(id, span));
+        note(&state.exit, &|span| Writer::State(id, span));
     }
     for (id, state) in machine.states.iter() {
         for a in &state.actions {
             writers[a.variable.index()].push(Writer::State(id, a.span));
         }
-        for effect in state.entry.effects.iter().chain(&state.exit.effects) {
-            writers[effect.variable.index()].push(Writer::State(id, effect.span));
-        }
     }
-    for (variable, writers) in machine.variables.iter().map(|(id, v)| (v, &writers[id.index()])) {
+    let variables = machine.variables.values().map(|v| &v.name).zip(&writers);
+    let integers = machine.integers.values().map(|i| &i.name).zip(&assigners);
+    for (name, writers) in variables.chain(integers) {
         let pair = writers
             .iter()
             .enumerate()
@@ -45,7 +55,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             found.push(
                 Diagnostic::new(
                     Code::ParallelWrites,
-                    format!("regions that run side by side may write `{}` in the same scan", variable.name),
+                    format!("regions that run side by side may write `{name}` in the same scan"),
                 )
                 .label(a.span(), "written here")
                 .label(b.span(), "and here")

@@ -288,6 +288,10 @@ impl Session<'_> {
             let line = format!("{}  {:<12} {}", u8::from(frame[layout.event(id)]), e.name, e.description);
             let _ = writeln!(text, "{}", line.trim_end());
         }
+        for (id, i) in self.machine.integers.iter() {
+            let line = format!("{}  {:<12} {}", layout.integer(id, frame), i.name, i.description);
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
         text
     }
 }

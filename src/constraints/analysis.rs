@@ -178,7 +178,9 @@ fn product(machine: &Machine, name: String, product: &Product<Atom>, yields: &[O
     let nature = product.literals().iter().map(|l| match l.atom {
         Atom::Output(_) | Atom::PrevOutput(_) => Nature::Static,
         Atom::Input(_) | Atom::PrevInput(_) => Nature::Combinatory,
-        Atom::Variable(_) | Atom::Event(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => Nature::Sequential,
+        Atom::Variable(_) | Atom::Event(_) | Atom::Compare(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+            Nature::Sequential
+        }
     });
     ProductReport {
         name,

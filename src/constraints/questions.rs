@@ -2,13 +2,15 @@
 //! assumptions allow.
 //!
 //! Everything that constraints read is a bit of its own, a value and the one of the scan before
-//! included. So an answer that something cannot be holds for every plant and every program. Of states, which
+//! included; but comparisons of integers hold as the integers do that they compare. So an answer that something cannot be holds for every plant and every program. Of states, which
 //! are those of observers, only so much is known that in each active region one is active.
 
 use super::words;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::sat::{Answer, Budget, Model, Sat};
-use crate::ir::chart::{Atom, Machine, OutputId};
+use crate::bits::vector::{self, Vector};
+use crate::ir::chart::{Atom, ComparisonId, IntegerId, Machine, OutputId};
+use crate::ir::number::{Comparison, Number, Range, Relation};
 use crate::ir::sop::Product;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,6 +22,7 @@ pub struct Questions<'m> {
     sat: Sat,
     readings: BTreeMap<Atom, Lit>,
     commands: BTreeMap<OutputId, Lit>,
+    integers: BTreeMap<IntegerId, Vector>,
     /// What each leaf of the graph is.
     leaves: Vec<Leaf>,
     /// No assumption is broken.
@@ -30,6 +33,8 @@ pub struct Questions<'m> {
 enum Leaf {
     Reading(Atom),
     Command(OutputId),
+    /// A bit of an integer, which is seen by its comparisons only.
+    Integer,
 }
 
 /// A case in which something happens: what has to be read and commanded for it, and nothing else.
@@ -78,13 +83,16 @@ impl<'m> Questions<'m> {
             sat: Sat::new(),
             readings: BTreeMap::new(),
             commands: BTreeMap::new(),
+            integers: BTreeMap::new(),
             leaves: Vec::new(),
             allowed: Lit::TRUE,
         };
         let mut assumed: Vec<Lit> =
             machine.safety.assumptions.iter().flat_map(|a| &a.products).map(|p| !questions.condition(p)).collect();
         assumed.extend(questions.configurations());
-        questions.allowed = questions.aig.all(&assumed);
+        // What is read has said already what goes together.
+        let assumed = questions.aig.all(&assumed);
+        questions.allowed = questions.aig.and(questions.allowed, assumed);
         questions
     }
 
@@ -118,11 +126,68 @@ impl<'m> Questions<'m> {
 
     /// The bit of something that is read.
     pub fn reading(&mut self, atom: Atom) -> Lit {
-        let (aig, leaves) = (&mut self.aig, &mut self.leaves);
-        *self.readings.entry(atom).or_insert_with(|| {
-            leaves.push(Leaf::Reading(atom));
-            aig.leaf("")
-        })
+        if let Some(&known) = self.readings.get(&atom) {
+            return known;
+        }
+        self.leaves.push(Leaf::Reading(atom));
+        let leaf = self.aig.leaf("");
+        self.readings.insert(atom, leaf);
+        if let Atom::Compare(comparison) = atom {
+            let holds = self.comparison(comparison);
+            let fits = self.aig.equal(leaf, holds);
+            self.allowed = self.aig.and(self.allowed, fits);
+        }
+        leaf
+    }
+
+    /// What a comparison makes of its integers.
+    fn comparison(&mut self, comparison: ComparisonId) -> Lit {
+        let Comparison { left, relation, right } = &self.machine.comparisons[comparison];
+        let (left, right) = (self.number(left), self.number(right));
+        let less = vector::less(&mut self.aig, &left, &right);
+        let equal = vector::equal(&mut self.aig, &left, &right);
+        let at_most = self.aig.or(less, equal);
+        match relation {
+            Relation::Equal => equal,
+            Relation::Unequal => !equal,
+            Relation::Less => less,
+            Relation::LessOrEqual => at_most,
+            Relation::Greater => !at_most,
+            Relation::GreaterOrEqual => !less,
+        }
+    }
+
+    fn number(&mut self, number: &Number<IntegerId>) -> Vector {
+        match number {
+            Number::Const(n) => vector::constant(*n),
+            Number::Value(i) => self.integer(*i),
+            Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
+                let value = self.number(&operand.value);
+                if operand.negative {
+                    vector::subtract(&mut self.aig, &sum, &value)
+                } else {
+                    vector::add(&mut self.aig, &sum, &value)
+                }
+            }),
+        }
+    }
+
+    /// The bits of an integer, which is within its range.
+    fn integer(&mut self, id: IntegerId) -> Vector {
+        if let Some(known) = self.integers.get(&id) {
+            return known.clone();
+        }
+        let Range { lowest, highest } = self.machine.integers[id].range;
+        let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
+        let width = lowest.len().max(highest.len());
+        self.leaves.extend((0..width).map(|_| Leaf::Integer));
+        let value: Vector = (0..width).map(|_| self.aig.leaf("")).collect();
+        let below = vector::less(&mut self.aig, &value, &lowest);
+        let above = vector::less(&mut self.aig, &highest, &value);
+        let beyond = self.aig.or(below, above);
+        self.allowed = self.aig.and(self.allowed, !beyond);
+        self.integers.insert(id, value.clone());
+        value
     }
 
     /// The bit of an output's command.
@@ -191,6 +256,7 @@ impl<'m> Questions<'m> {
                 match *leaf {
                     Leaf::Reading(atom) => witness.readings.push((atom, value)),
                     Leaf::Command(output) => witness.commands.push((output, value)),
+                    Leaf::Integer => {}
                 }
             }
         }

@@ -13,12 +13,13 @@
 //! - A step has one divergence, and branches end in jumps: the generator loses nested divergences
 //!   and breaks on jumps into a convergence.
 //! - Parallel branches of a rung are all single contacts or all series; it breaks on a mixture.
+//! - A function has no EN: nothing but its operands feeds it, and its result goes to an outVariable.
 //! - Texts stand in CDATA directly within `xhtml:p`.
 
 use super::xml::{Tag, Xml};
-use super::{position, timer, unused_name};
+use super::{operand_text, position, timer, unused_name};
 use crate::ir::drawing::{LadderShape, Point, Rect, SfcShape, Wire};
-use crate::ir::ladder::{CoilKind, Ladder, Timer};
+use crate::ir::ladder::{CoilKind, Function, Ladder, Operator, Timer};
 use crate::ir::plc::{Global, Program, Project};
 use crate::ir::sfc::Sfc;
 use crate::layout::{self, Branches, Structure};
@@ -42,12 +43,14 @@ pub fn interface(xml: &mut Xml, project: &Project, program: &Program) {
         }
         if used.is_empty() {
             xml.element("localVars", |xml| {
-                xml.tag("variable").attr("name", unused_name(project, UNUSED)).with(kind);
+                xml.tag("variable").attr("name", unused_name(project, UNUSED)).with(|xml| kind(xml, "BOOL"));
             });
         } else {
             xml.element("externalVars", |xml| {
                 for global in used {
-                    xml.tag("variable").attr("name", &project.globals[global].name).with(kind);
+                    let global = &project.globals[global];
+                    let variable = xml.tag("variable").attr("name", &global.name);
+                    variable.with(|xml| kind(xml, global.initial.type_name()));
                 }
             });
         }
@@ -96,16 +99,16 @@ fn globals(xml: &mut Xml, project: &Project) {
 
 fn variable(xml: &mut Xml, global: &Global) {
     xml.tag("variable").attr("name", &global.name).attr_opt("address", global.address.as_deref()).with(|xml| {
-        kind(xml);
-        if global.initial {
-            xml.element("initialValue", |xml| xml.tag("simpleValue").attr("value", "TRUE").empty());
+        kind(xml, global.initial.type_name());
+        if let Some(value) = global.initial.literal() {
+            xml.element("initialValue", |xml| xml.tag("simpleValue").attr("value", &value).empty());
         }
         documentation(xml, &global.description);
     });
 }
 
-fn kind(xml: &mut Xml) {
-    xml.element("type", |xml| xml.tag("BOOL").empty());
+fn kind(xml: &mut Xml, name: &'static str) {
+    xml.element("type", |xml| xml.tag(name).empty());
 }
 
 fn documentation(xml: &mut Xml, text: &str) {
@@ -213,6 +216,11 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
     for element in &drawing.elements {
         let (area, inputs) = (&element.area, &element.inputs);
         match element.shape {
+            // A function is fed by its operands alone.
+            LadderShape::LeftRail { rung, .. } if ladder.rungs[rung].function.is_some() => {
+                numbers.skip();
+                continue;
+            }
             LadderShape::LeftRail { outlet, .. } => {
                 numbers.tag(xml, "leftPowerRail", area).with(|xml| {
                     position(xml, "position", area.x, area.y);
@@ -249,6 +257,29 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                 tag.with(|xml| timer_pins(xml, area, inputs, &numbers));
                 numbers.given(Some("Q"));
                 continue;
+            }
+            LadderShape::Operand { rung, operand } => {
+                let text = operand_text(project, &ladder.rungs[rung], operand);
+                numbers.tag(xml, "inVariable", area).attr("negated", "false").with(|xml| {
+                    position(xml, "position", area.x, area.y);
+                    connect_out(xml, "connectionPointOut", None, area, area.right());
+                    xml.tag("expression").text(&text);
+                });
+            }
+            LadderShape::Function { rung } => {
+                if let Some(Function { operator, .. }) = &ladder.rungs[rung].function {
+                    let tag = numbers.tag(xml, "block", area).attr("typeName", operator.name());
+                    tag.with(|xml| function_pins(xml, area, *operator, inputs, &numbers));
+                }
+                numbers.given(Some("OUT"));
+                continue;
+            }
+            LadderShape::Result { rung } => {
+                numbers.tag(xml, "outVariable", area).attr("negated", "false").with(|xml| {
+                    position(xml, "position", area.x, area.y);
+                    connect_in(xml, "connectionPointIn", area, area.left(), inputs, &numbers);
+                    xml.tag("expression").text(&project.globals[ladder.rungs[rung].coil].name);
+                });
             }
             LadderShape::Coil { rung } => {
                 let rung = &ladder.rungs[rung];
@@ -298,6 +329,25 @@ fn timer_pins(xml: &mut Xml, area: &Rect, inputs: &[Wire], numbers: &Numbers) {
     });
 }
 
+/// The pins of a function; `inputs` are its operands.
+fn function_pins(xml: &mut Xml, area: &Rect, operator: Operator, inputs: &[Wire], numbers: &Numbers) {
+    position(xml, "position", area.x, area.y);
+    xml.element("inputVariables", |xml| {
+        for (pin, wire) in operator.pins().iter().zip(inputs) {
+            xml.tag("variable").attr("formalParameter", pin).with(|xml| {
+                connect_in(xml, "connectionPointIn", area, area.left(), [wire], numbers);
+            });
+        }
+    });
+    xml.tag("inOutVariables").empty();
+    let y = inputs.first().and_then(|w| w.path.last()).map_or(area.y, |p| p.y);
+    xml.element("outputVariables", |xml| {
+        xml.tag("variable").attr("formalParameter", "OUT").with(|xml| {
+            connect_out(xml, "connectionPointOut", None, area, Point { x: area.x + area.width, y });
+        });
+    });
+}
+
 /// A rung that does nothing, for a ladder without rungs: a program has to have a body.
 fn idle(xml: &mut Xml, variable: &str) {
     let mut numbers = Numbers::new(2);
@@ -338,6 +388,11 @@ impl Numbers {
     /// Begins the current element.
     fn tag<'x>(&self, xml: &'x mut Xml, name: &'static str, area: &Rect) -> Tag<'x> {
         xml.tag(name).attr("localId", self.next).attr("height", area.height).attr("width", area.width)
+    }
+
+    /// The current element is not written; no line leaves it.
+    fn skip(&mut self) {
+        self.given.push((0, None));
     }
 
     /// The current element is written; lines leave it at `pin`.

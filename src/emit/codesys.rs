@@ -8,6 +8,8 @@
 //!   convergence, carry the formal parameter `sfc`. Names and settings stand in vendor attributes.
 //! - A ladder has one left rail, numbered 0, and one right rail, which nothing reaches. A comment
 //!   and a network title begin each network.
+//! - A function is a box of an operator: EN comes from the rail, so that it always runs, and its result
+//!   is written at its output pin. Pins are called by their place.
 //! - Programs see globals without declaring them.
 //!
 //! # Where globals and the task stand
@@ -25,9 +27,9 @@
 //! order. After such an import the programs have to be put under the task by hand, in that order.
 
 use super::xml::{Tag, Xml};
-use super::{position, timer, unused_name};
+use super::{operand_text, position, timer, unused_name};
 use crate::ir::drawing::{LadderShape, SfcShape, Wire};
-use crate::ir::ladder::{CoilKind, Ladder, Timer};
+use crate::ir::ladder::{CoilKind, Function, Ladder, Timer};
 use crate::ir::plc::{Body, Global, Program, Project};
 use crate::ir::sfc::Sfc;
 use crate::layout::{self, Branches, Structure};
@@ -92,9 +94,9 @@ fn globals(xml: &mut Xml, project: &Project) {
 
 fn variable(xml: &mut Xml, global: &Global) {
     xml.tag("variable").attr("name", &global.name).attr_opt("address", global.address.as_deref()).with(|xml| {
-        xml.element("type", |xml| xml.tag("BOOL").empty());
-        if global.initial {
-            xml.element("initialValue", |xml| xml.tag("simpleValue").attr("value", "TRUE").empty());
+        xml.element("type", |xml| xml.tag(global.initial.type_name()).empty());
+        if let Some(value) = global.initial.literal() {
+            xml.element("initialValue", |xml| xml.tag("simpleValue").attr("value", &value).empty());
         }
         documentation(xml, &global.description);
     });
@@ -328,6 +330,25 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
                 });
                 id
             }
+            LadderShape::Operand { rung, operand } => {
+                let id = number();
+                xml.tag("inVariable").attr("localId", id).with(|xml| {
+                    position(xml, "position", 0, 0);
+                    xml.tag("connectionPointOut").empty();
+                    xml.tag("expression").text(&operand_text(project, &ladder.rungs[rung], operand));
+                });
+                id
+            }
+            LadderShape::Function { rung } => {
+                let (id, rung) = (number(), &ladder.rungs[rung]);
+                if let Some(function) = &rung.function {
+                    let operands: Vec<u32> = element.inputs.iter().map(from).collect();
+                    operator(xml, id, function, &operands, &project.globals[rung.coil].name);
+                }
+                id
+            }
+            // It stands at the output pin.
+            LadderShape::Result { .. } => 0,
             LadderShape::Coil { rung } => {
                 let (id, rung) = (number(), &ladder.rungs[rung]);
                 let storage = match rung.kind {
@@ -352,6 +373,33 @@ pub fn ladder(xml: &mut Xml, project: &Project, ladder: &Ladder) {
     xml.tag("rightPowerRail").attr("localId", RIGHT_RAIL).with(|xml| {
         position(xml, "position", 0, 0);
         xml.tag("connectionPointIn").empty();
+    });
+}
+
+/// The box of a function, which comes from the rail and writes `result`.
+fn operator(xml: &mut Xml, id: u32, function: &Function, operands: &[u32], result: &str) {
+    xml.tag("block").attr("localId", id).attr("typeName", function.operator.name()).with(|xml| {
+        position(xml, "position", 0, 0);
+        xml.element("inputVariables", |xml| {
+            let pin = |xml: &mut Xml, name: &str, from: u32| {
+                xml.tag("variable").attr("formalParameter", name).with(|xml| connect_in(xml, None, [from]));
+            };
+            pin(xml, "EN", 0);
+            for (place, &from) in operands.iter().enumerate() {
+                pin(xml, &format!("In{}", place + 2), from);
+            }
+        });
+        xml.tag("inOutVariables").empty();
+        xml.element("outputVariables", |xml| {
+            xml.tag("variable").attr("formalParameter", "ENO").with(|xml| xml.tag("connectionPointOut").empty());
+            xml.tag("variable").attr("formalParameter", "Out2").with(|xml| {
+                xml.element("connectionPointOut", |xml| xml.tag("expression").text(result));
+            });
+        });
+        xml.element("addData", |xml| {
+            data(xml, "http://www.3s-software.com/plcopenxml/fbdcalltype")
+                .with(|xml| xml.tag("CallType").attr("xmlns", "").text("operator"));
+        });
     });
 }
 

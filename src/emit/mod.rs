@@ -11,6 +11,7 @@ pub mod names;
 mod xml;
 
 use crate::base::iec;
+use crate::ir::ladder::{Operand, Rung};
 use crate::ir::plc::{Body, Program, Project};
 use std::collections::BTreeSet;
 use xml::Xml;
@@ -120,6 +121,15 @@ fn pou(xml: &mut Xml, project: &Project, program: &Program, dialect: Dialect) {
             Dialect::Codesys => codesys::after_body(xml, program),
         }
     });
+}
+
+/// The operand of that index of a rung's function.
+fn operand_text(project: &Project, rung: &Rung, index: usize) -> String {
+    match rung.function.as_ref().and_then(|f| f.operands.get(index)) {
+        Some(Operand::Const(n)) => n.to_string(),
+        Some(Operand::Global(g)) => project.globals[*g].name.clone(),
+        None => String::new(),
+    }
 }
 
 /// The declaration of a timer.

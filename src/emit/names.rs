@@ -51,6 +51,7 @@ fn role(role: Role) -> &'static str {
         Role::Output => "output",
         Role::Variable => "variable",
         Role::Event => "event",
+        Role::Interim => "interim value",
         Role::StepFlag => "step flag",
         Role::History => "history",
         Role::Condition => "condition",

@@ -4,13 +4,14 @@
 //! for what can stand where.
 
 use super::expr::Expr;
+use super::number::{Comparison, Number};
 use crate::base::Span;
 
 mod ways;
 pub use ways::{Branch, Choice, Source, Target};
 
 /// A word with its place: a declared name or one part of a path.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Name {
     /// The word as written.
     pub text: String,
@@ -88,8 +89,8 @@ pub struct Signal {
 pub struct Variable {
     /// The variable's name.
     pub name: Name,
-    /// Its value before the first scan; FALSE if not given.
-    pub initial: bool,
+    /// What it can hold.
+    pub kind: VariableKind,
     /// What it means.
     pub description: Option<Text>,
 }
@@ -101,6 +102,24 @@ pub struct Event {
     pub name: Name,
     /// What it means.
     pub description: Option<Text>,
+}
+
+/// What a variable can hold, and what it holds before the first scan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum VariableKind {
+    /// `BOOL := true`; FALSE if not given.
+    Bool(bool),
+    /// `0..3 := 2`.
+    Integer {
+        /// The lowest value.
+        lowest: i64,
+        /// The highest value.
+        highest: i64,
+        /// The value before the first scan, if it is given, and where.
+        initial: Option<(i64, Span)>,
+        /// Where the range stands.
+        span: Span,
+    },
 }
 
 /// `actuator Vertical bistable "…" { position … }`, or `actuator Conveyor onoff by CMR "…"`.
@@ -171,6 +190,8 @@ pub struct Guard {
 pub enum Term {
     /// The value of something: `H0`, or a path, which cannot be a value but deserves a good message.
     Value(PathRef),
+    /// `Layers + 1 < Limit`, and where.
+    Compare(Comparison<Name>, Span),
     /// `prev(x)`.
     Prev(PathRef),
     /// `rise(x)`.
@@ -368,7 +389,7 @@ pub struct Internal {
     pub span: Span,
 }
 
-/// `set V`, `reset V` or `raise E`.
+/// `set V`, `reset V`, `raise E` or `set N := …`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
     /// The variable or event.
@@ -378,12 +399,14 @@ pub struct Effect {
 }
 
 /// What a variable or event becomes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EffectValue {
     /// TRUE or FALSE.
     Bool(bool),
     /// Raised.
     Raised,
+    /// The value of an expression, and where it stands.
+    Integer(Number<Name>, Span),
 }
 
 /// `drives OUTPUT when …`.

@@ -14,7 +14,7 @@
 //!    its *scope*, the innermost region that contains source and target. In an active region, of the
 //!    enabled transitions of this scope the one with the outermost source fires, then the one that
 //!    comes first in [`Machine::scoped`] order. If one fires, nothing else inside the region's
-//!    active state takes a step. Guards read states and variables from before the step. Only
+//!    active state takes a step. Guards read states, variables and integers from before the step. Only
 //!    transitions of [`Phase::Start`] take part.
 //! 4. Firing leaves the scope's active state with all that is inside, then enters the target: the
 //!    way down to it, and below it and beside that way each region as [`Inside`] and [`Region::entries`]
@@ -26,7 +26,9 @@
 //! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
-//!    wins; [`check`](crate::check) sees to it that there is a last one. An event that any of them raises
+//!    wins; [`check`](crate::check) sees to it that there is a last one. Among them are [`Assignment`]s: an
+//!    integer becomes the value, or the bound of its range that the value is beyond, and the value is that
+//!    of the integers from before the step. An event that any of them raises
 //!    is [TRUE](Atom::Event) throughout the next scan, and only then. Observers raise and read none.
 //! 6. [`Action`]s of the states that are active now happen: first all that set, then all that reset.
 //!    Their conditions read states as they are now and variables as 5 left them.
@@ -48,12 +50,14 @@
 //! States of observers do nothing: they have no drives, actions, entries and exits.
 
 use super::expr::Expr;
+use super::number::Comparison;
 use super::scenario::{Plant, Scenario};
 use crate::base::{Arena, Id, Span};
 
 mod safety;
 
 pub use super::ast::Technology;
+pub use super::integer::{Assignment, Integer};
 pub use safety::{Assumption, Constraint, FilterMode, Mark, Relief, Safety, outputs_of};
 
 /// Names an input.
@@ -64,6 +68,10 @@ pub type OutputId = Id<Output>;
 pub type VariableId = Id<Variable>;
 /// Names an event.
 pub type EventId = Id<Event>;
+/// Names an integer.
+pub type IntegerId = Id<Integer>;
+/// Names a comparison.
+pub type ComparisonId = Id<Comparison<IntegerId>>;
 /// Names an actuator.
 pub type ActuatorId = Id<Actuator>;
 /// Names a region.
@@ -92,6 +100,11 @@ pub struct Machine {
     pub variables: Arena<Variable>,
     /// What can be raised, in order of declaration.
     pub events: Arena<Event>,
+    /// What is counted, in order of declaration.
+    pub integers: Arena<Integer>,
+    /// What conditions ask of integers, each once, in order of first mention. None is TRUE or FALSE
+    /// whatever the integers are within their ranges, and no part of one can leave the type INT.
+    pub comparisons: Arena<Comparison<IntegerId>>,
     /// What moves, in order of declaration.
     pub actuators: Arena<Actuator>,
     /// The observers and then the control charts, each in order of declaration. Those of one kind run side
@@ -222,6 +235,8 @@ pub enum Atom {
     Variable(VariableId),
     /// Whether the event was raised in the scan before.
     Event(EventId),
+    /// Whether the comparison holds, for integers as they are when variables are read here.
+    Compare(ComparisonId),
     /// Whether the state is active.
     In(StateId),
     /// Whether every region of the state is in a final state.
@@ -367,12 +382,14 @@ pub struct Deeds {
     pub effects: Vec<Effect>,
     /// The events that are raised; none twice.
     pub raises: Vec<EventId>,
+    /// What becomes of integers; no integer twice.
+    pub assignments: Vec<Assignment>,
 }
 
 impl Deeds {
     /// Whether nothing happens.
     pub fn is_empty(&self) -> bool {
-        self.effects.is_empty() && self.raises.is_empty()
+        self.effects.is_empty() && self.assignments.is_empty() && self.raises.is_empty()
     }
 }
 
@@ -509,6 +526,7 @@ impl Machine {
             Atom::PrevOutput(o) => format!("prev({})", self.outputs[o].name),
             Atom::Variable(v) => self.variables[v].name.clone(),
             Atom::Event(e) => self.events[e].name.clone(),
+            Atom::Compare(c) => self.comparison(c),
             Atom::In(s) => format!("in({})", self.state_path(s)),
             Atom::Done(s) => format!("done({})", self.state_path(s)),
             Atom::After(s, ms) => format!("after({}, {ms}ms)", self.state_path(s)),

@@ -157,6 +157,23 @@ pub enum LadderShape {
         /// Its index in the ladder.
         rung: usize,
     },
+    /// An operand of a rung's function.
+    Operand {
+        /// The rung's index in the ladder.
+        rung: usize,
+        /// Which operand.
+        operand: usize,
+    },
+    /// The function of a rung: its inputs are its operands, in order.
+    Function {
+        /// The rung's index in the ladder.
+        rung: usize,
+    },
+    /// What takes the result of a rung's function.
+    Result {
+        /// The rung's index in the ladder.
+        rung: usize,
+    },
     /// The coil of a rung.
     Coil {
         /// Its index in the ladder.

@@ -67,6 +67,7 @@
 //! `run` starts as FALSE in each scan. There is no last run of an action after its step is left.
 
 use super::expr::Expr;
+pub use super::number::Relation;
 use crate::base::{Arena, Id};
 
 /// Names a variable.
@@ -370,27 +371,13 @@ pub enum Atom {
     /// An entry of [`Condition::shared`].
     Shared(usize),
     /// A comparison; both sides are integers, or both are times.
-    Compare(Comparison, Number, Number),
-}
-
-/// How two numbers are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Comparison {
-    /// `=`
-    Equal,
-    /// `<>`
-    Unequal,
-    /// `<`
-    Less,
-    /// `<=`
-    LessOrEqual,
-    /// `>`
-    Greater,
-    /// `>=`
-    GreaterOrEqual,
+    Compare(Relation, Number, Number),
 }
 
 /// An integer or time. It is computed in 64 bits, wrapping; only assignments cut it to its type.
+///
+/// Functions are computed in the type of their operands. [`crate::read`] takes a function only where
+/// it makes no difference: all its variables and what it is assigned to are of one type.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Number {
     /// A literal; times in microseconds.
@@ -407,6 +394,24 @@ pub enum Number {
     Sum(Box<Number>, Box<Number>),
     /// The difference.
     Difference(Box<Number>, Box<Number>),
+    /// LIMIT: the value, or the bound that it is beyond.
+    Limit {
+        /// The lower bound.
+        lowest: i64,
+        /// The value.
+        value: Box<Number>,
+        /// The upper bound; not less than the lower one.
+        highest: i64,
+    },
+    /// SEL: one of two.
+    Select {
+        /// The BOOL variable that decides.
+        by: VarId,
+        /// The value if it is FALSE.
+        no: Box<Number>,
+        /// The value if it is TRUE.
+        yes: Box<Number>,
+    },
 }
 
 impl Project {

@@ -6,7 +6,12 @@
 //! is a sum of products: parallel branches from the left rail, each a series of contacts. IDEs
 //! differ in what they make of deeper nesting, of boxes in branches and of edge contacts, so there
 //! are none. A rung may have one box, behind all contacts: an on-delay timer.
+//!
+//! What is no BOOL takes a rung of another form: one box with a [function](Function), computed in each
+//! cycle, whose result goes to a variable. Its operands are variables and constants, so that nothing
+//! depends on how an IDE orders boxes or what becomes of a box that is not enabled.
 
+use super::number::Relation;
 use super::plc::{GlobalId, Origin};
 use super::sop::Sum;
 
@@ -27,6 +32,9 @@ pub struct Rung {
     pub condition: Sum<GlobalId>,
     /// A timer between the condition and the coil: what the coil writes is its output Q.
     pub timer: Option<Timer>,
+    /// A function instead of contacts: the condition is TRUE, and `coil` takes the result as a plain
+    /// coil would. Of type INT or BOOL, as the function demands.
+    pub function: Option<Function>,
     /// What the coil writes.
     pub coil: GlobalId,
     /// How.
@@ -53,6 +61,70 @@ impl Timer {
     }
 }
 
+/// A function of IEC 61131-3 over INT, and over BOOL where that is said.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Function {
+    /// Which.
+    pub operator: Operator,
+    /// As many as it takes, in the order of its pins.
+    pub operands: Vec<Operand>,
+}
+
+/// Which function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operator {
+    /// MOVE: the operand.
+    Move,
+    /// ADD: the sum of two.
+    Add,
+    /// SUB: the first less the second.
+    Subtract,
+    /// LIMIT: the second, but not less than the first and not more than the third.
+    Limit,
+    /// SEL: if the first, which is BOOL, is FALSE, the second, else the third.
+    Select,
+    /// A comparison of two; the result is BOOL.
+    Compare(Relation),
+}
+
+/// An operand of a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operand {
+    /// A constant of type INT.
+    Const(i64),
+    /// A variable.
+    Global(GlobalId),
+}
+
+impl Operator {
+    /// The name of the function.
+    pub fn name(self) -> &'static str {
+        match self {
+            Operator::Move => "MOVE",
+            Operator::Add => "ADD",
+            Operator::Subtract => "SUB",
+            Operator::Limit => "LIMIT",
+            Operator::Select => "SEL",
+            Operator::Compare(Relation::Equal) => "EQ",
+            Operator::Compare(Relation::Unequal) => "NE",
+            Operator::Compare(Relation::Less) => "LT",
+            Operator::Compare(Relation::LessOrEqual) => "LE",
+            Operator::Compare(Relation::Greater) => "GT",
+            Operator::Compare(Relation::GreaterOrEqual) => "GE",
+        }
+    }
+
+    /// The names of its operands (IEC 61131-3, 2.5.1.5).
+    pub fn pins(self) -> &'static [&'static str] {
+        match self {
+            Operator::Move => &["IN"],
+            Operator::Add | Operator::Subtract | Operator::Compare(_) => &["IN1", "IN2"],
+            Operator::Limit => &["MN", "IN", "MX"],
+            Operator::Select => &["G", "IN0", "IN1"],
+        }
+    }
+}
+
 /// How a coil writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoilKind {
@@ -70,6 +142,12 @@ impl Ladder {
         for rung in &self.rungs {
             for product in rung.condition.products() {
                 product.literals().iter().for_each(|l| f(l.atom));
+            }
+            for operand in rung.function.iter().flat_map(|function| &function.operands) {
+                match operand {
+                    Operand::Const(_) => {}
+                    Operand::Global(global) => f(*global),
+                }
             }
             f(rung.coil);
         }

@@ -37,6 +37,9 @@ impl Writer<'_> {
         for v in m.variables.values() {
             writeln!(self.out, "variable {} := {}", v.name, v.initial)?;
         }
+        for i in m.integers.values() {
+            writeln!(self.out, "integer {} {}..{} := {}", i.name, i.range.lowest, i.range.highest, i.initial)?;
+        }
         for a in m.actuators.values() {
             let positions: Vec<String> = a
                 .positions
@@ -238,7 +241,9 @@ impl Writer<'_> {
         let effects = deeds.effects.iter();
         let effects = effects.map(|e| format!("{} {}", if e.value { "set" } else { "reset" }, name(e)));
         let raises = deeds.raises.iter().map(|&e| format!("raise {}", self.machine.events[e].name));
-        effects.chain(raises).collect::<Vec<_>>().join(", ")
+        let integer = |a: &Assignment| &self.machine.integers[a.integer].name;
+        let value = |a: &Assignment| format!("{} := {}", integer(a), self.machine.number(&a.value));
+        effects.chain(raises).chain(deeds.assignments.iter().map(value)).collect::<Vec<_>>().join(", ")
     }
 
     fn guard(&self, guard: &Guard) -> String {

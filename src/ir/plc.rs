@@ -31,21 +31,30 @@ pub struct Project {
     pub task: Task,
 }
 
-/// A global variable of type BOOL.
+/// A global variable.
 #[derive(Clone, Debug)]
 pub struct Global {
     /// A legal IEC identifier, unique in the project whatever the letters' case.
     pub name: String,
     /// Its address, such as `%IX0.0`.
     pub address: Option<String>,
-    /// Its value before the first cycle.
-    pub initial: bool,
+    /// Its value before the first cycle, which also says its type.
+    pub initial: Value,
     /// What it is for.
     pub role: Role,
     /// What it means, for the reader of the PLC project.
     pub description: String,
     /// What it stands for in the model.
     pub origin: Origin,
+}
+
+/// A value of one of the types that are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Value {
+    /// BOOL.
+    Bool(bool),
+    /// INT.
+    Int(i16),
 }
 
 /// What a global variable is for.
@@ -59,6 +68,8 @@ pub enum Role {
     Variable,
     /// An event of the model, as it is in this scan.
     Event,
+    /// A value on the way to a variable.
+    Interim,
     /// TRUE while a step is active; written by its N action only.
     StepFlag,
     /// Whether a state was the last one of its region; written when the chart has taken its step.
@@ -124,6 +135,24 @@ pub struct Task {
     pub resource: String,
     /// The cycle time in milliseconds.
     pub interval: u32,
+}
+
+impl Value {
+    /// The name of its type.
+    pub fn type_name(self) -> &'static str {
+        match self {
+            Value::Bool(_) => "BOOL",
+            Value::Int(_) => "INT",
+        }
+    }
+
+    /// As IEC 61131-3 writes it; nothing for the value that a variable has without being given one.
+    pub fn literal(self) -> Option<String> {
+        match self {
+            Value::Bool(value) => value.then(|| "TRUE".to_owned()),
+            Value::Int(value) => (value != 0).then(|| value.to_string()),
+        }
+    }
 }
 
 impl Program {

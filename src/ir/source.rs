@@ -4,6 +4,7 @@
 
 use super::ast::*;
 use super::expr::{CHART, Expr};
+use super::number::Number;
 use std::fmt::{self, Write};
 
 /// Writes the tree as source text.
@@ -55,7 +56,14 @@ impl Writer {
         if !m.variables.is_empty() {
             self.block(format_args!("variables"), |w| {
                 m.variables.iter().try_for_each(|v| {
-                    w.line(format_args!("{} : BOOL := {}{}", v.name.text, v.initial, text(&v.description)))
+                    let kind = match &v.kind {
+                        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
+                        VariableKind::Integer { lowest, highest, initial, .. } => {
+                            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
+                            format!("{lowest}..{highest}{initial}")
+                        }
+                    };
+                    w.line(format_args!("{} : {kind}{}", v.name.text, text(&v.description)))
                 })
             })?;
         }
@@ -261,12 +269,12 @@ fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
 }
 
 fn effects(effects: &[Effect]) -> String {
-    let verb = |e: &Effect| match e.value {
-        EffectValue::Bool(true) => "set",
-        EffectValue::Bool(false) => "reset",
-        EffectValue::Raised => "raise",
+    let one = |e: &Effect| match &e.value {
+        EffectValue::Bool(value) => format!("{} {}", if *value { "set" } else { "reset" }, e.variable.text),
+        EffectValue::Raised => format!("raise {}", e.variable.text),
+        EffectValue::Integer(value, _) => format!("set {} := {}", e.variable.text, number(value)),
     };
-    effects.iter().map(|e| format!("{} {}", verb(e), e.variable.text)).collect::<Vec<_>>().join(", ")
+    effects.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 fn limit(limit: &Limit) -> String {
@@ -322,6 +330,13 @@ fn words(path: &Path) -> String {
     path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".")
 }
 
+fn number(number: &Number<Name>) -> String {
+    let mut out = String::new();
+    let written = number.write(&mut out, &mut |n, f| f.write_str(&n.text));
+    written.expect("writing to a string succeeds");
+    out
+}
+
 fn condition(guard: &Guard) -> String {
     expression(&guard.expr)
 }
@@ -331,6 +346,7 @@ fn expression(expr: &Expr<Term>) -> String {
     let path = |p: &PathRef| p.parts.iter().map(|(t, _)| t.as_str()).collect::<Vec<_>>().join(".");
     let written = expr.write(&mut out, &CHART, &mut |term, f| match term {
         Term::Value(p) => f.write_str(&path(p)),
+        Term::Compare(c, _) => c.write(f, &mut |n, f| f.write_str(&n.text)),
         Term::Prev(p) => write!(f, "prev({})", path(p)),
         Term::Rise(p) => write!(f, "rise({})", path(p)),
         Term::Fall(p) => write!(f, "fall({})", path(p)),

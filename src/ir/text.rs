@@ -3,7 +3,7 @@
 //! Text is for reading and comparing; nothing reads it back.
 
 use super::expr::IEC;
-use super::ladder::{CoilKind, Rung};
+use super::ladder::{CoilKind, Operand, Rung};
 use super::plc::{Body, GlobalId, Project};
 use super::sfc::Sfc;
 use super::sop::Literal;
@@ -147,7 +147,16 @@ fn rung(text: &mut String, project: &Project, rung: &Rung) {
             };
             let line = if branches.len() > 1 { "--" } else { "" };
             let timer = rung.timer.as_ref().map(|t| format!("[TON {} {}]--", t.instance, t.literal()));
-            write!(text, "{line}{}{open}{}{close}--|", timer.unwrap_or_default(), name(rung.coil)).expect(INFALLIBLE);
+            let function = rung.function.as_ref().map(|f| {
+                let operand = |o: &Operand| match o {
+                    Operand::Const(n) => n.to_string(),
+                    Operand::Global(g) => name(*g).to_owned(),
+                };
+                let operands: Vec<String> = f.operands.iter().map(operand).collect();
+                format!("[{} {}]--", f.operator.name(), operands.join(", "))
+            });
+            let middle = timer.or(function);
+            write!(text, "{line}{}{open}{}{close}--|", middle.unwrap_or_default(), name(rung.coil)).expect(INFALLIBLE);
         }
         text.push('\n');
     }

@@ -1,12 +1,14 @@
 //! Ladder to drawing: each rung between two rails of its own, a product per row, the coil on the
 //! right.
 //!
+//! A rung with a function shows the function between its operands and its result.
+//!
 //! Contacts of one rung stand in columns as wide as their longest name; the coils of all but very
 //! long rungs stand in one column.
 
 use super::{Branches, MARGIN, text_width};
 use crate::ir::drawing::{CHAR, Drawing, Element, ElementId, LINE, LadderShape, Point, Rect, Wire};
-use crate::ir::ladder::{Ladder, Rung, Timer};
+use crate::ir::ladder::{Function, Ladder, Operand, Rung, Timer};
 use crate::ir::plc::{GlobalId, Project};
 use crate::ir::sop::Literal;
 
@@ -24,6 +26,9 @@ const GAP: i32 = 20;
 /// A timer: how far above its upper pins it begins, how far below them the lower ones are, and its
 /// lower edge.
 const TIMER: (i32, i32, i32) = (LINE + SYMBOL.1 / 2, 28, 44);
+/// A function: from its upper edge to the first pin, from pin to pin, from the last pin to the lower
+/// edge; and its narrowest width.
+const FUNCTION: (i32, i32, i32, i32) = (LINE + SYMBOL.1 / 2, 28, SYMBOL.1, 80);
 /// Longest line of a comment, in characters.
 const COMMENT: usize = 100;
 
@@ -47,7 +52,7 @@ pub fn draw(project: &Project, ladder: &Ladder, branches: Branches) -> Drawing<L
     }
     let comments = drawing.elements.iter().filter(|e| matches!(e.shape, LadderShape::Comment { .. }));
     let widest = comments.map(|c| c.area.x + c.area.width).max().unwrap_or(0);
-    drawing.width = right.max(widest) + MARGIN;
+    drawing.width = drawing.width.max(right.max(widest) + MARGIN);
     drawing.height = y - RUNG_GAP + MARGIN;
     drawing
 }
@@ -126,7 +131,11 @@ impl<'a> Frame<'a> {
         let y = comment.map_or(y, |c| c.y + c.height + LINE / 2);
         let rows = ROW * i32::try_from(plan.rows.len().max(1)).expect("a rung has less than 2^31 branches");
         let level = y + LINE + SYMBOL.1 / 2;
-        let height = if rung.timer.is_some() { rows.max(LINE + SYMBOL.1 / 2 + TIMER.2) } else { rows };
+        let height = match (&rung.timer, &rung.function) {
+            (Some(_), _) => rows.max(LINE + SYMBOL.1 / 2 + TIMER.2),
+            (None, Some(function)) => function_height(function),
+            (None, None) => rows,
+        };
 
         let area = Rect { x: MARGIN, y, width: RAIL, height };
         let rail = drawing.push(Element {
@@ -142,6 +151,10 @@ impl<'a> Frame<'a> {
                 label: None,
                 inputs: Vec::new(),
             });
+        }
+        if let Some(function) = &rung.function {
+            self.function(drawing, (index, function), rung.coil, y);
+            return y + height;
         }
         let start = Point { x: MARGIN + RAIL, y: level };
 
@@ -168,6 +181,46 @@ impl<'a> Frame<'a> {
         let wire = Wire { from: id, path: vec![area.right(), Point { x: rail.x, y: level }] };
         drawing.push(Element { shape: LadderShape::RightRail, area: rail, label: None, inputs: vec![wire] });
         y + height
+    }
+
+    /// Draws a function from `y` downwards, between its operands and what takes its result.
+    fn function(
+        &self,
+        drawing: &mut Drawing<LadderShape>,
+        (rung, function): (usize, &Function),
+        result: GlobalId,
+        y: i32,
+    ) {
+        let (first, next, _, narrowest) = FUNCTION;
+        let name = |g: GlobalId| self.project.globals[g].name.as_str();
+        let texts: Vec<String> = function
+            .operands
+            .iter()
+            .map(|o| match o {
+                Operand::Const(n) => n.to_string(),
+                Operand::Global(g) => name(*g).to_owned(),
+            })
+            .collect();
+        let widest = texts.iter().map(|t| text_width(t)).max().unwrap_or(0) + GAP;
+        let x = self.first + widest + GAP;
+        let mut inputs = Vec::with_capacity(texts.len());
+        let mut level = y + first;
+        for (operand, text) in texts.iter().enumerate() {
+            let width = text_width(text) + GAP;
+            let area = Rect { x: x - GAP - width, y: level - LINE / 2, width, height: LINE };
+            let shape = LadderShape::Operand { rung, operand };
+            let from = drawing.push(Element { shape, area, label: None, inputs: Vec::new() });
+            inputs.push(Wire { from, path: vec![area.right(), Point { x, y: level }] });
+            level += next;
+        }
+        let area = Rect { x, y, width: narrowest, height: function_height(function) };
+        let from = drawing.push(Element { shape: LadderShape::Function { rung }, area, label: None, inputs });
+        let start = Point { x: x + narrowest, y: y + first };
+        let text = text_width(name(result)) + GAP;
+        let area = Rect { x: start.x + GAP, y: start.y - LINE / 2, width: text, height: LINE };
+        let wire = Wire { from, path: vec![start, area.left()] };
+        drawing.push(Element { shape: LadderShape::Result { rung }, area, label: None, inputs: vec![wire] });
+        drawing.width = drawing.width.max(area.x + area.width + MARGIN);
     }
 
     /// Draws a product; returns its last contact and where the line leaves it.
@@ -232,6 +285,12 @@ fn draw_timer(
     }));
     let id = drawing.push(Element { shape: LadderShape::Timer { rung }, area, label: None, inputs });
     Wire { from: id, path: vec![Point { x: pin.x + width, y: pin.y }, coil] }
+}
+
+fn function_height(function: &Function) -> i32 {
+    let (first, next, last, _) = FUNCTION;
+    let pins = i32::try_from(function.operands.len().max(1)).expect("a function has few operands");
+    first + next * (pins - 1) + last
 }
 
 /// A line from `start` to `end`, which changes its height, if it has to, at `x`.

@@ -351,7 +351,8 @@ pub fn finish(context: &mut Context<'_>) -> Vec<Rung> {
     let previous = std::mem::take(&mut context.conditions.previous);
     let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
         std::mem::replace(&mut context.conditions, Conditions { previous, ..Conditions::default() });
-    [latches, timing, enabling, ranking, firing, entering, restarts].into_iter().flatten().collect()
+    let comparing = std::mem::take(&mut context.integers.comparing);
+    [comparing, latches, timing, enabling, ranking, firing, entering, restarts].into_iter().flatten().collect()
 }
 
 /// A state that is left and entered again in one scan keeps its flag, so its timers would run on.

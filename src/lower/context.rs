@@ -1,12 +1,13 @@
 //! What the passes share: the globals made so far and which of them stands for what.
 
 use super::entries::Entries;
+use super::integers::Integers;
 use super::names::Names;
 use crate::base::{Arena, Span};
 use crate::ir::chart::{Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
-use crate::ir::plc::{Global, GlobalId, Origin, Role};
+use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
 use std::collections::BTreeMap;
 
 /// An expression over globals.
@@ -32,6 +33,7 @@ pub struct Context<'m> {
     pub ending: Vec<Vec<TransitionId>>,
     pub entries: Entries,
     pub conditions: Conditions,
+    pub integers: Integers,
 }
 
 /// The conditions asked for so far, and the rungs that compute them, in groups that depend only on
@@ -78,6 +80,7 @@ impl<'m> Context<'m> {
             scoped,
             ending,
             conditions: Conditions::default(),
+            integers: Integers::default(),
         };
         context.signals();
         for v in machine.variables.values() {
@@ -85,7 +88,7 @@ impl<'m> Context<'m> {
             let id = context.globals.push(Global {
                 name: v.name.clone(),
                 address: None,
-                initial: v.initial,
+                initial: Value::Bool(v.initial),
                 role: Role::Variable,
                 description: v.description.clone(),
                 origin,
@@ -99,6 +102,7 @@ impl<'m> Context<'m> {
             let next = context.global(name, Role::Condition, format!("{} is raised for the next scan", e.name), origin);
             context.events.push((now, next));
         }
+        context.integers();
         for (id, state) in machine.states.iter() {
             let name = context.names.state("X", id);
             let path = machine.state_path(id);
@@ -123,7 +127,7 @@ impl<'m> Context<'m> {
                     ids[i] = Some(self.globals.push(Global {
                         name: (*name).clone(),
                         address: (*address).clone(),
-                        initial: false,
+                        initial: Value::Bool(false),
                         role: *role,
                         description: (*description).clone(),
                         origin: origin(format!("{what} {name}"), *span),
@@ -138,7 +142,7 @@ impl<'m> Context<'m> {
 
     /// A new global that is FALSE before the first scan.
     pub fn global(&mut self, name: String, role: Role, description: String, origin: Origin) -> GlobalId {
-        self.globals.push(Global { name, address: None, initial: false, role, description, origin })
+        self.globals.push(Global { name, address: None, initial: Value::Bool(false), role, description, origin })
     }
 
     /// A guard as a program reads it that runs before the step of `own`'s kind of charts or takes part in
@@ -154,6 +158,7 @@ impl<'m> Context<'m> {
             Atom::Done(s) if settled(self.machine, s) => self.done_by_flags(s),
             Atom::Done(s) => Expr::Atom(self.done(s)),
             Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
+            Atom::Compare(c) => Expr::Atom(self.compared_before(c)),
             other => self.value(other),
         })
     }
@@ -163,6 +168,7 @@ impl<'m> Context<'m> {
         condition.map(&mut |atom| match *atom {
             Atom::In(s) => Expr::Atom(self.flags[s.index()]),
             Atom::Done(s) => self.done_by_flags(s),
+            Atom::Compare(c) => Expr::Atom(self.compared_after(c)),
             other => self.value(other),
         })
     }
@@ -187,7 +193,7 @@ impl<'m> Context<'m> {
             Atom::PrevOutput(o) => self.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::Event(e) => self.events[e.index()].0,
-            Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
+            Atom::Compare(_) | Atom::Output(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => {
                 unreachable!("{atom:?} depends on where it is read")
             }
         })

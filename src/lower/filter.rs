@@ -257,6 +257,7 @@ impl Filter {
                 }
                 // Of an observer, which has taken its step.
                 Atom::In(s) => Expr::Atom(context.flags[s.index()]),
+                Atom::Compare(c) => Expr::Atom(context.compared_after(c)),
                 other => context.value(other),
             };
             if l.negated { value.not() } else { value }

@@ -1,7 +1,8 @@
 //! Machine to PLC project. It cannot fail on a machine that [`check`](crate::check) accepts.
 //!
 //! Gone after it: the hierarchy (each region is an SFC that its parent's flag starts and stops),
-//! guards over states (latched conditions), effects and actions (set and reset coils), events (a coil for the next scan), drives (one
+//! guards over states (latched conditions), effects and actions (set and reset coils), events (a coil for
+//! the next scan), integers and comparisons (rungs with functions), drives (one
 //! rung per output), constraints (rungs of the filter).
 //!
 //! The programs of the one task, in the order in which it runs them:
@@ -13,7 +14,7 @@
 //! | `Observed` | [`variables`] | what their transitions set and reset |
 //! | `Conditions` | [`conditions`] | latches what guards read from other programs; decides early what several programs need to know |
 //! | one per region of a chart, parents first | [`regions`] | the charts |
-//! | `Variables` | [`variables`] | what transitions and active states set and reset |
+//! | `Variables` | [`integers`], [`variables`] | what transitions and active states set, reset and count |
 //! | `Outputs` | [`outputs`] | one rung per output: its command |
 //! | `Filter` | [`filter`] | one rung per constraint, the forcings, the rounds of relief, the output coils |
 //! | `AfterFilter` | [`observers`] | the part of observers that reads what the filter has decided |
@@ -27,6 +28,7 @@ mod conditions;
 mod context;
 mod entries;
 mod filter;
+mod integers;
 mod names;
 mod observers;
 mod outputs;
@@ -49,9 +51,11 @@ pub fn lower(machine: &Machine) -> Project {
     let afterwards = observers::after_filter(&mut context);
     let before_observers = conditions::finish(&mut context);
     let charts = regions::lower(&mut context, ChartKind::Control);
-    let variables = variables::lower(&mut context, ChartKind::Control);
+    let mut variables = variables::lower(&mut context, ChartKind::Control);
+    integers::lower(&mut context);
     let outputs = outputs::lower(&mut context);
     let filter = filter::lower(&mut context);
+    integers::finish(&mut context, &mut variables);
     let mut before_charts = conditions::events(&mut context);
     before_charts.extend(conditions::finish(&mut context));
     let mut past = conditions::previous_values(&mut context);

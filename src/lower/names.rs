@@ -24,6 +24,7 @@ impl Names {
         let own = own.chain(machine.outputs.values().map(|o| &o.name));
         let own = own.chain(machine.variables.values().map(|v| &v.name));
         let own = own.chain(machine.events.values().map(|e| &e.name));
+        let own = own.chain(machine.integers.values().map(|i| &i.name));
         let taken = own.map(|n| iec::fold(n)).collect();
         let paths: Vec<String> = machine.states.ids().map(|s| machine.state_path(s)).collect();
         let states = readable(paths.iter().map(|p| (p.replace('.', "_"), p.clone())).collect());

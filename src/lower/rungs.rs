@@ -23,7 +23,7 @@ pub fn rung(
     let sum = writer.sum(condition, false);
     if !sum.is_zero() {
         let origin = context.globals[coil].origin.clone();
-        rungs.push(Rung { comment, condition: sum, timer: None, coil, kind, origin });
+        rungs.push(Rung { comment, condition: sum, timer: None, function: None, coil, kind, origin });
     }
 }
 
@@ -126,6 +126,7 @@ impl Writer<'_, '_> {
             comment: description,
             condition: sum,
             timer: None,
+            function: None,
             coil,
             kind: CoilKind::Plain,
             origin,

@@ -82,10 +82,10 @@ fn raised(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
     }
     for (id, state) in machine.states.iter() {
         for event in &state.exit.raises {
-            by[event.index()].push(left(context, id));
+            by[event.index()].push(context.left(id));
         }
         for event in &state.entry.raises {
-            by[event.index()].push(entered(context, id));
+            by[event.index()].push(context.entered_now(id));
         }
     }
     for (by, (_, next)) in by.into_iter().zip(context.events.clone()) {
@@ -185,11 +185,11 @@ fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     }
     for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         for effect in &state.exit.effects {
-            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), left(context, id));
+            let (step, condition) = (Step::Left(std::cmp::Reverse(state.depth)), context.left(id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
         }
         for effect in &state.entry.effects {
-            let (step, condition) = (Step::Entered(state.depth), entered(context, id));
+            let (step, condition) = (Step::Entered(state.depth), context.entered_now(id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
         }
     }
@@ -199,16 +199,18 @@ fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     writes
 }
 
-/// Whether the state was active when the scan began and has been left.
-fn left(context: &mut Context<'_>, state: StateId) -> Condition {
-    let was = Expr::Atom(context.active(state));
-    let gone = Expr::Atom(context.flags[state.index()]).not();
-    Expr::all([was, Expr::any([gone].into_iter().chain(context.again(state).map(Expr::Atom)))])
-}
+impl Context<'_> {
+    /// Whether the state was active when the scan began and has been left.
+    pub fn left(&mut self, state: StateId) -> Condition {
+        let was = Expr::Atom(self.active(state));
+        let gone = Expr::Atom(self.flags[state.index()]).not();
+        Expr::all([was, Expr::any([gone].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
 
-/// Whether the state is active and has been entered in this scan.
-fn entered(context: &mut Context<'_>, state: StateId) -> Condition {
-    let is = Expr::Atom(context.flags[state.index()]);
-    let new = Expr::Atom(context.active(state)).not();
-    Expr::all([is, Expr::any([new].into_iter().chain(context.again(state).map(Expr::Atom)))])
+    /// Whether the state is active and has been entered in this scan.
+    pub fn entered_now(&mut self, state: StateId) -> Condition {
+        let is = Expr::Atom(self.flags[state.index()]);
+        let new = Expr::Atom(self.active(state)).not();
+        Expr::all([is, Expr::any([new].into_iter().chain(self.again(state).map(Expr::Atom)))])
+    }
 }

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, scenarios, ways};
+use super::{Rule, numbers, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -110,12 +110,27 @@ fn signal(p: Pair<'_, Rule>) -> Signal {
 }
 
 fn variable(p: Pair<'_, Rule>) -> Variable {
-    let mut variable =
-        Variable { name: Name { text: String::new(), span: span(&p) }, initial: false, description: None };
+    let mut variable = Variable {
+        name: Name { text: String::new(), span: span(&p) },
+        kind: VariableKind::Bool(false),
+        description: None,
+    };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => variable.name = name(p),
-            Rule::constant => variable.initial = p.as_str() == "true",
+            Rule::constant => variable.kind = VariableKind::Bool(p.as_str() == "true"),
+            Rule::range => {
+                let span = span(&p);
+                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| numbers::integer(p).0);
+                let mut end = || ends.next().expect("a range has two ends");
+                let (lowest, highest) = (end(), end());
+                variable.kind = VariableKind::Integer { lowest, highest, initial: None, span };
+            }
+            Rule::integer => {
+                if let VariableKind::Integer { initial, .. } = &mut variable.kind {
+                    *initial = Some(numbers::integer(p));
+                }
+            }
             Rule::text => variable.description = Some(text(p)),
             _ => {}
         }
@@ -327,12 +342,22 @@ pub fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     if p.as_rule() != Rule::effect {
         return None;
     }
-    let value = match p.as_str() {
+    let mut value = match p.as_str() {
         text if text.starts_with("raise") => EffectValue::Raised,
         text => EffectValue::Bool(text.starts_with("set")),
     };
-    let variable = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name).expect("an effect has a name");
-    Some(Effect { variable, value })
+    let mut variable = None;
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::name => variable = Some(name(p)),
+            Rule::sum => {
+                let span = span(&p);
+                value = EffectValue::Integer(numbers::sum(p), span);
+            }
+            _ => {}
+        }
+    }
+    Some(Effect { variable: variable.expect("an effect has a name"), value })
 }
 
 fn internal(p: Pair<'_, Rule>) -> Internal {
@@ -524,6 +549,7 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
     let place = span(&p);
     let inner = p.into_inner().next().expect("a primary holds something");
     match inner.as_rule() {
+        Rule::comparison => Expr::Atom(Term::Compare(numbers::comparison(inner), place)),
         Rule::expression => expression(inner),
         Rule::constant => Expr::Const(inner.as_str() == "true"),
         Rule::kw_done => Expr::Atom(Term::Done(place)),

@@ -84,6 +84,10 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::technology => "`bistable`, `monostable` or `onoff`".into(),
         Rule::expression | Rule::exclusive | Rule::conjunction | Rule::negation | Rule::primary => "a condition".into(),
         Rule::call | Rule::function | Rule::elapsed => return None,
+        // They can stand behind almost everything, and say little.
+        Rule::comparison | Rule::relation | Rule::sign | Rule::minus => return None,
+        Rule::sum | Rule::factor => "an integer".into(),
+        Rule::range | Rule::integer => "a range such as `0..3`".into(),
         Rule::source => "a state or `any`".into(),
         Rule::target => "a state".into(),
         Rule::several => "`(`".into(),

@@ -14,10 +14,14 @@
 //! a late scan included.
 
 use super::chart_filter;
+use super::parts::WIDTH;
 use crate::bits::aig::{Aig, Lit};
+use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, IntegerId, Machine, Phase, RegionId, StateId, StateKind, TransitionId,
+    VariableId,
 };
+use crate::ir::number::{Comparison, Number, Range, Relation};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -42,14 +46,17 @@ pub struct ChartState {
     /// For each state of a region with a history, whether it was active when the region was active
     /// last; nothing for other states.
     pub last: Vec<Option<Lit>>,
+    /// For each integer, its value in as many bits as an INT has.
+    pub integers: Vec<Vector>,
 }
 
 impl ChartState {
-    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories.
+    /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories,
+    /// integers.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last } = self;
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers } = self;
         let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
-        always.chain(last.iter().flatten()).copied().collect()
+        always.chain(last.iter().flatten()).chain(integers.iter().flatten()).copied().collect()
     }
 }
 
@@ -128,6 +135,7 @@ impl<'m> ChartStep<'m> {
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
             last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
+            integers: initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
@@ -164,6 +172,7 @@ impl<'m> ChartStep<'m> {
         let moves = self.configuration(aig, &given.with(now), fires, start);
         let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
         now.variables = variables;
+        now.integers = self.count(aig, &now.integers, fires, &moves);
         now.active = moves.active;
         let gathered =
             [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
@@ -287,10 +296,10 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What becomes of variables by what happens once, and which events are raised: what states do when
-    /// they are left, from the inside out, transitions, those of outer regions first, what states do when
-    /// they are entered, from the outside in. What comes later wins.
-    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+    /// What happens once, with whether it does, in order: what states do when they are left, from the inside
+    /// out, transitions, those of outer regions first, what states do when they are entered, from the
+    /// outside in.
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> {
         let m = self.machine;
         let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
@@ -302,7 +311,14 @@ impl<'m> ChartStep<'m> {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
             steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
         }
-        let mut raisers = vec![Vec::new(); m.events.len()];
+        steps
+    }
+
+    /// What becomes of variables by what happens once, of which what comes later wins, and which events are
+    /// raised.
+    fn happen(&self, aig: &mut Aig, before: &[Lit], fires: &[Lit], moves: &Moves) -> (Vec<Lit>, Vec<Lit>) {
+        let steps = self.deeds(fires, moves);
+        let mut raisers = vec![Vec::new(); self.machine.events.len()];
         for (happens, deeds) in steps.values().flatten() {
             deeds.raises.iter().for_each(|e| raisers[e.index()].push(*happens));
         }
@@ -332,6 +348,29 @@ impl<'m> ChartStep<'m> {
                 Some(aig.select(active[parent.index()], active[id.index()], last?))
             })
             .collect()
+    }
+
+    /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
+    /// the range.
+    fn count(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit], moves: &Moves) -> Vec<Vector> {
+        let mut after = before.to_vec();
+        if before.is_empty() {
+            return after;
+        }
+        for (happens, deeds) in self.deeds(fires, moves).into_values().flatten() {
+            for assignment in &deeds.assignments {
+                let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
+                let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
+                let value = number(aig, &assignment.value, before);
+                let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
+                let kept = vector::select(aig, low, &lowest, &value);
+                let kept = vector::select(aig, high, &highest, &kept);
+                let after = &mut after[assignment.integer.index()];
+                let kept = vector::fit(&kept, after.len());
+                *after = vector::select(aig, happens, &kept, after);
+            }
+        }
+        after
     }
 
     /// Everything after the charts' steps.
@@ -365,7 +404,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, entered, fires, raised } = now;
+        let Now { active, variables, integers, entered, fires, raised } = now;
         let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
@@ -384,9 +423,28 @@ impl<'m> ChartStep<'m> {
             past,
             marks: filtered.marks,
             last,
+            integers,
         };
         let events = given.before.raised.clone();
         ChartScan { after, events, fires, commands, acted: filtered.acted, broken, begins, seen }
+    }
+}
+
+/// The integers at power-up.
+pub fn initial(machine: &Machine) -> Vec<Vector> {
+    machine.integers.values().map(|i| vector::fit(&vector::constant(i.initial), usize::from(WIDTH))).collect()
+}
+
+/// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
+/// that rows grow.
+fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
+    match number {
+        Number::Const(n) => vector::constant(*n),
+        Number::Value(i) => integers[i.index()].clone(),
+        Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
+            let value = self::number(aig, &operand.value, integers);
+            if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
+        }),
     }
 }
 
@@ -416,6 +474,7 @@ fn histories(machine: &Machine) -> Vec<bool> {
 struct Now {
     active: Vec<Lit>,
     variables: Vec<Lit>,
+    integers: Vec<Vector>,
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
@@ -428,6 +487,7 @@ impl Now {
         Now {
             active: before.active.clone(),
             variables: before.variables.clone(),
+            integers: before.integers.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
             raised: vec![Lit::FALSE; machine.events.len()],
@@ -465,7 +525,7 @@ struct Given<'a> {
 
 impl<'a> Given<'a> {
     fn with(self, now: &'a Now) -> Reading<'a> {
-        Reading { given: self, active: &now.active, variables: &now.variables }
+        Reading { given: self, active: &now.active, variables: &now.variables, integers: &now.integers }
     }
 }
 
@@ -474,6 +534,7 @@ struct Reading<'a> {
     given: Given<'a>,
     active: &'a [Lit],
     variables: &'a [Lit],
+    integers: &'a [Vector],
 }
 
 impl Reading<'_> {
@@ -491,6 +552,20 @@ impl Reading<'_> {
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::Event(e) => self.given.before.raised[e.index()],
+            Atom::Compare(c) => {
+                let Comparison { left, relation, right } = &self.given.step.machine.comparisons[c];
+                let (left, right) = (number(aig, left, self.integers), number(aig, right, self.integers));
+                let difference = vector::subtract(aig, &left, &right);
+                let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
+                match relation {
+                    Relation::Equal => zero,
+                    Relation::Unequal => !zero,
+                    Relation::Less => negative,
+                    Relation::LessOrEqual => aig.or(negative, zero),
+                    Relation::Greater => !aig.or(negative, zero),
+                    Relation::GreaterOrEqual => !negative,
+                }
+            }
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {

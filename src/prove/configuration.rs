@@ -5,12 +5,17 @@
 //! tree with n leaves, each fork of which is decided by one bit, below the literal of its parent. Every
 //! assignment of the bits is a configuration, and every configuration is some assignment.
 //!
-//! That the chart's own step never leaves these configurations is proved like everything else
-//! ([`broken`]).
+//! An integer is decoded from free bits as well, so that it is within its range whatever they are.
+//!
+//! That the chart's own step never leaves these configurations and ranges is proved like everything else
+//! ([`broken`], [`beyond`]).
 
 use super::chart_step::{ChartState, ChartStep};
+use super::parts::WIDTH;
 use crate::bits::aig::{Aig, Lit};
-use crate::ir::chart::{Machine, RegionId, StateId};
+use crate::bits::vector::{self, Vector};
+use crate::ir::chart::{Integer, Machine, RegionId, StateId};
+use crate::ir::number::Range;
 
 /// A state of memory about which nothing is known but that its configuration is one, that no time has
 /// passed in a state that has just been entered, and that the last state of a region is its active one,
@@ -35,6 +40,7 @@ pub fn any(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>) -> ChartStat
         raised: machine.events.values().map(|e| aig.leaf(format!("raised({})", e.name))).collect(),
         outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
         marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
+        integers: machine.integers.values().map(|i| within(aig, i)).collect(),
     }
 }
 
@@ -96,6 +102,33 @@ pub fn confused(aig: &mut Aig, machine: &Machine, region: RegionId, after: &Char
     let differs = aig.and(parent, some);
     let two = aig.two_or_more(&last);
     aig.or(differs, two)
+}
+
+/// An integer of which nothing is known but its range.
+///
+/// As many free bits as the range needs say how far the value is from the lowest one. What would be too far is
+/// brought back by leaving the highest bit out: every value of the range is some assignment of the bits.
+fn within(aig: &mut Aig, integer: &Integer) -> Vector {
+    let Range { lowest, highest } = integer.range;
+    let count = highest - lowest;
+    let needed = 64 - count.leading_zeros();
+    let mut distance: Vector = (0..needed).map(|bit| aig.leaf(format!("{}#{bit}", integer.name))).collect();
+    distance.push(Lit::FALSE);
+    let too_far = vector::less(aig, &vector::constant(count), &distance);
+    if needed > 0 {
+        let top = distance.len() - 2;
+        distance[top] = aig.and(distance[top], !too_far);
+    }
+    let value = vector::add(aig, &distance, &vector::constant(lowest));
+    vector::fit(&value, usize::from(WIDTH))
+}
+
+/// Whether the integer's value lies beyond its range.
+pub fn beyond(aig: &mut Aig, integer: &Integer, value: &[Lit]) -> Lit {
+    let Range { lowest, highest } = integer.range;
+    let below = vector::less(aig, value, &vector::constant(lowest));
+    let above = vector::less(aig, &vector::constant(highest), value);
+    aig.or(below, above)
 }
 
 /// Whether something is wrong with the region in the configuration `active`: two of its states are

@@ -22,6 +22,8 @@ pub struct Correspondence {
     pub events: Vec<String>,
     /// The global for each event that is TRUE when it is raised for the next scan.
     pub raised: Vec<Option<String>>,
+    /// The global for each integer.
+    pub integers: Vec<String>,
     /// The global for each state that is TRUE while it is active.
     pub flags: Vec<String>,
     /// For each state, the program that holds its step, and the step; nothing where no step of its own
@@ -90,6 +92,7 @@ impl Correspondence {
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
             events: machine.events.values().map(|e| or_own(Role::Event, e.span, &e.name)).collect(),
             raised: machine.events.values().map(|e| find(Role::Condition, e.span)).collect(),
+            integers: machine.integers.values().map(|i| or_own(Role::Variable, i.span, &i.name)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,
             last: machine.states.values().map(|s| find(Role::History, s.span)).collect(),
@@ -125,5 +128,6 @@ fn rank(role: Role) -> u8 {
         Role::First => 10,
         Role::Event => 11,
         Role::History => 12,
+        Role::Interim => 13,
     }
 }

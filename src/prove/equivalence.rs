@@ -4,7 +4,7 @@
 //! # What is proved
 //!
 //! After every scan, whatever the inputs have been since power-up: the flag and the step of each state
-//! are what the chart says of it, and so are each output, each variable, each command, the flag of each
+//! are what the chart says of it, and so are each output, each variable, each integer, each command, the flag of each
 //! constraint and of each assumption. In short, every [`Part`](super::parts::Part) that the program has something for.
 //!
 //! # How
@@ -12,6 +12,7 @@
 //! By induction over scans, under these invariants, each of which is proved along with the rest and
 //! none assumed:
 //!
+//! - each integer is within its range;
 //! - in each region exactly one state is active, or none if its parent is not;
 //! - the idle step of each SFC is active exactly while the region's parent is not;
 //! - what a region with a history remembers is its active state, or one or no state while it has none;
@@ -40,10 +41,12 @@ use super::induction::{self, Claim, Count, Failure, Situation};
 use super::joint::Joint;
 use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
+use super::parts::WIDTH;
 use super::program_step::ProgramStep;
 use super::search::{self, search};
 use super::trace::Trace;
 use crate::bits::sat::{self, Sat};
+use crate::bits::vector;
 use crate::ir::chart::Machine;
 use crate::ir::iec::Project;
 use std::collections::BTreeSet;
@@ -235,6 +238,7 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
         Claim::History(region) => {
             format!("that region {} remembers one state", machine.region_path(region))
         }
+        Claim::Range(integer) => format!("that {} stays within its range", machine.integers[integer].name),
         Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
         Claim::Part(part, latch) => {
             format!("that {} is {}", program.name(program.latches()[latch]), part.describe(machine))
@@ -264,6 +268,9 @@ fn describe(machine: &Machine, s: &Situation) -> String {
     let names = variables.chain(inputs).chain(outputs).chain(events);
     let remembered = s.memory.iter().skip(machine.states.len()).zip(names);
     parts.extend(remembered.filter(|(v, _)| **v).map(|(_, name)| name));
+    let bits = &s.memory[s.memory.len() - machine.integers.len() * usize::from(WIDTH)..];
+    let integers = machine.integers.values().zip(bits.chunks(usize::from(WIDTH)));
+    parts.extend(integers.map(|(i, bits)| format!("{} = {}", i.name, vector::value(bits.iter().copied()))));
     let now = s.inputs.iter().zip(machine.inputs.values());
     parts.extend(now.filter(|(v, _)| **v).map(|(_, input)| input.name.clone()));
     parts.join(", ")

@@ -16,7 +16,7 @@ use super::program_step::{ProgramState, ProgramStep};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::bits::random::Random;
 use crate::bits::sat::{Answer, Budget, Model, Sat};
-use crate::ir::chart::RegionId;
+use crate::ir::chart::{IntegerId, RegionId};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// How many words of 64 random assignments are tried before a solver is asked.
@@ -29,6 +29,8 @@ pub enum Claim {
     Configuration(RegionId),
     /// After the scan, the last state of this region is its active one; one or none if it has none.
     History(RegionId),
+    /// After the scan, the integer is within its range.
+    Range(IntegerId),
     /// After the scan, the state of this timer has not both been entered and lasted for its time.
     Clock(usize),
     /// After the scan, the latch holds this part.
@@ -219,7 +221,7 @@ impl Claim {
     fn latch(&self) -> usize {
         match self {
             Claim::Part(_, latch) | Claim::Memory(_, latch) => *latch,
-            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+            Claim::Configuration(_) | Claim::History(_) | Claim::Range(_) | Claim::Clock(_) => {
                 unreachable!("they are about the chart alone")
             }
         }
@@ -229,7 +231,12 @@ impl Claim {
     pub fn guess(&self, matched: &Match) -> Option<usize> {
         match self {
             Claim::Memory(_, latch) if matched.guessed[*latch] => Some(*latch),
-            Claim::Memory(..) | Claim::Part(..) | Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => None,
+            Claim::Memory(..)
+            | Claim::Part(..)
+            | Claim::Configuration(_)
+            | Claim::History(_)
+            | Claim::Range(_)
+            | Claim::Clock(_) => None,
         }
     }
 
@@ -238,7 +245,7 @@ impl Claim {
         match self {
             Claim::Part(part, _) => (part.after(chart), Lit::TRUE),
             Claim::Memory(meaning, _) => (meaning.of(&chart.after), meaning.matters(&chart.after)),
-            Claim::Configuration(_) | Claim::History(_) | Claim::Clock(_) => {
+            Claim::Configuration(_) | Claim::History(_) | Claim::Range(_) | Claim::Clock(_) => {
                 unreachable!("they are about the chart alone")
             }
         }
@@ -280,6 +287,7 @@ impl<'a> Both<'a> {
             past: none(timers),
             marks: none(pair.machine.safety.marks().count()),
             last: pair.machine.states.ids().map(|s| pair.chart.remembers(s).then_some(Lit::FALSE)).collect(),
+            integers: super::chart_step::initial(pair.machine),
         };
         let program = pair.program.power_up();
         Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }
@@ -359,6 +367,12 @@ impl<'a> Both<'a> {
             let confused = configuration::confused(&mut self.aig, self.pair.machine, region, &self.chart.after);
             if let Outcome::Differs(model) = compare.same(&mut self.aig, confused, Lit::FALSE, self.given) {
                 failures.push((Claim::History(region), model));
+            }
+        }
+        for (id, integer) in self.pair.machine.integers.iter() {
+            let beyond = configuration::beyond(&mut self.aig, integer, &self.chart.after.integers[id.index()]);
+            if let Outcome::Differs(model) = compare.same(&mut self.aig, beyond, Lit::FALSE, self.given) {
+                failures.push((Claim::Range(id), model));
             }
         }
         for index in 0..self.clocks.len() {

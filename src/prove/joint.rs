@@ -6,7 +6,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use super::matching::{Match, Pair};
-use super::parts::Part;
+use super::parts::{Part, WIDTH};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::ir::iec::Time;
 
@@ -105,6 +105,11 @@ impl Joint {
                 .states
                 .ids()
                 .map(|s| chart.remembers(s).then(|| aig.leaf(format!("last {}", machine.state_path(s)))))
+                .collect(),
+            integers: machine
+                .integers
+                .values()
+                .map(|i| (0..WIDTH).map(|bit| aig.leaf(format!("{}.{bit}", i.name))).collect())
                 .collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);

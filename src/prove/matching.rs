@@ -2,12 +2,15 @@
 
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
-use super::parts::{Meaning, Part, Timer};
+use super::parts::{Meaning, Part, Timer, WIDTH};
 use super::program_step::ProgramStep;
 use crate::base::iec;
 use crate::ir::chart::{Machine, StateId};
-use crate::ir::iec::{BlockId, Body, Project, Scope, VarId};
+use crate::ir::iec::{BlockId, Body, Kind, Project, Scope, VarId};
 use std::collections::{BTreeMap, BTreeSet};
+
+/// The type of integers.
+const INT: Kind = Kind::Int { bits: WIDTH, signed: true };
 
 /// Which latches of a program stand for which parts of a machine.
 #[derive(Clone, Debug)]
@@ -87,6 +90,13 @@ impl Match {
             if let Some(name) = name {
                 add(part, name)?;
             }
+        }
+        for (id, name) in machine.integers.ids().zip(&names.integers) {
+            let what = format!("integer {}", machine.integers[id].name);
+            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what))?;
+            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == INT);
+            let latches = latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not INT"))?;
+            matched.parts.extend((0..WIDTH).map(|bit| Part::Bit(id, bit)).zip(latches));
         }
         matched.steps(pair, names, project);
         matched.timers(pair, names, project);

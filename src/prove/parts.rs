@@ -3,7 +3,10 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, VariableId};
+use crate::ir::chart::{ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, VariableId};
+
+/// How many bits an integer has: those of an INT.
+pub const WIDTH: u8 = 16;
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +23,8 @@ pub enum Part {
     Event(EventId),
     /// Whether the event is raised for the next scan.
     Raised(EventId),
+    /// A bit of the integer's value, counted from the lowest; the highest is the sign.
+    Bit(IntegerId, u8),
     /// Whether an active state drives the output.
     Command(OutputId),
     /// Whether the constraint had to act.
@@ -54,6 +59,7 @@ impl Part {
             Part::Variable(v) => scan.after.variables[v.index()],
             Part::Event(e) => scan.events[e.index()],
             Part::Raised(e) => scan.after.raised[e.index()],
+            Part::Bit(i, bit) => scan.after.integers[i.index()][usize::from(bit)],
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
@@ -71,6 +77,7 @@ impl Part {
             Part::Variable(v) => format!("variable {}", machine.variables[v].name),
             Part::Event(e) => format!("event {}", machine.events[e].name),
             Part::Raised(e) => format!("event {} is raised", machine.events[e].name),
+            Part::Bit(i, bit) => format!("bit {bit} of integer {}", machine.integers[i].name),
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
@@ -86,6 +93,7 @@ impl Part {
             Part::Flag(s) | Part::Step(s) => Some(Meaning::Active(s, true)),
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
+            Part::Bit(i, bit) => Some(Meaning::Bit(i, bit, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
             Part::Raised(e) => Some(Meaning::Raised(e, true)),
             Part::Mark(mark, i) => Some(Meaning::Mark(mark, i, true)),
@@ -114,6 +122,8 @@ pub enum Meaning {
     Mark(Mark, usize, bool),
     /// Whether the state was the last one of its region, active or not; of regions with a history.
     Last(StateId, bool),
+    /// That bit of the integer's value.
+    Bit(IntegerId, u8, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -132,6 +142,7 @@ impl Meaning {
             Meaning::Raised(e, same) => state.raised[e.index()].xor(!same),
             Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
             Meaning::Last(s, same) => state.last[s.index()].expect("only states of regions with a history").xor(!same),
+            Meaning::Bit(i, bit, same) => state.integers[i.index()][usize::from(bit)].xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -148,7 +159,8 @@ impl Meaning {
             | Meaning::Raised(..)
             | Meaning::Variable(..)
             | Meaning::Mark(..)
-            | Meaning::Last(..) => Lit::TRUE,
+            | Meaning::Last(..)
+            | Meaning::Bit(..) => Lit::TRUE,
         }
     }
 
@@ -164,6 +176,7 @@ impl Meaning {
             Meaning::Raised(e, same) => Meaning::Raised(e, !same),
             Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
             Meaning::Last(s, same) => Meaning::Last(s, !same),
+            Meaning::Bit(i, bit, same) => Meaning::Bit(i, bit, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -177,7 +190,8 @@ impl Meaning {
         let states = machine.states.ids().map(|s| Meaning::Active(s, true));
         let raised = machine.events.ids().map(|e| Meaning::Raised(e, true));
         let marks = machine.safety.marks().enumerate().map(|(i, mark)| Meaning::Mark(mark, i, true));
-        inputs.chain(outputs).chain(variables).chain(raised).chain(states).chain(marks).collect()
+        let bits = machine.integers.ids().flat_map(|i| (0..WIDTH).map(move |bit| Meaning::Bit(i, bit, true)));
+        inputs.chain(outputs).chain(variables).chain(raised).chain(states).chain(marks).chain(bits).collect()
     }
 
     /// What it is, in the model's names.
@@ -191,6 +205,7 @@ impl Meaning {
             Meaning::Raised(e, same) => (same, format!("event {} was raised", machine.events[e].name)),
             Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
             Meaning::Last(s, same) => (same, format!("{} was last in its region", machine.state_path(s))),
+            Meaning::Bit(i, bit, same) => (same, format!("bit {bit} of integer {}", machine.integers[i].name)),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };

@@ -2,11 +2,13 @@
 //! and its inputs to what they hold after it.
 //!
 //! Written from the meaning of a [`Project`], which stands at the head of [`iec`](crate::ir::iec).
-//! What is not Boolean cannot be encoded: integers, times, qualifiers with durations. Neither can
+//! Integers are rows of bits, see [`numbers`]. Times cannot be encoded, nor can qualifiers with durations or
 //! programs that run in some scans only. They are refused with a sentence that says where.
 //!
 //! Of the timers, TON with a constant preset time is encoded: whether the time since its start has
 //! passed is a literal that is given for each scan.
+
+mod numbers;
 
 use crate::bits::aig::{Aig, Lit};
 use crate::ir::iec::{
@@ -20,6 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub enum Latch {
     /// A BOOL variable.
     Variable(VarId),
+    /// A bit of an integer variable, counted from the lowest.
+    Bit(VarId, u8),
     /// Flag X of a step of the program of that index.
     Step(usize, StepId),
     /// Whether the action of that index in the program of that index has been set and not yet reset.
@@ -74,9 +78,13 @@ impl<'p> ProgramStep<'p> {
             orders: Vec::new(),
         };
         for (id, variable) in project.variables.iter() {
-            let place = (variable.kind == Kind::Bool).then_some(step.latches.len());
-            step.latches.extend(place.map(|_| Latch::Variable(id)));
-            step.variables.push(place);
+            let (first, width) = (step.latches.len(), numbers::width(variable.kind));
+            match variable.kind {
+                Kind::Bool => step.latches.push(Latch::Variable(id)),
+                Kind::Int { bits, .. } => step.latches.extend((0..bits).map(|bit| Latch::Bit(id, bit))),
+                Kind::Time => {}
+            }
+            step.variables.push(width.map(|_| first));
         }
         for (i, program) in project.programs.iter().enumerate() {
             step.steps.push(step.latches.len());
@@ -108,7 +116,7 @@ impl<'p> ProgramStep<'p> {
 
     /// Where a BOOL variable stands among the latches.
     pub fn variable(&self, id: VarId) -> Option<usize> {
-        self.variables[id.index()]
+        self.variables[id.index()].filter(|_| self.project.variables[id].kind == Kind::Bool)
     }
 
     /// Where a step stands among the latches.
@@ -134,6 +142,7 @@ impl<'p> ProgramStep<'p> {
                 let Variable { name, scope, .. } = &self.project.variables[id];
                 format!("{}{name}", self.owner(*scope))
             }
+            Latch::Bit(id, bit) => format!("{}.{bit}", self.name(Latch::Variable(id))),
             Latch::Step(p, id) => {
                 let program = &self.project.programs[p];
                 match &program.body {
@@ -166,6 +175,7 @@ impl<'p> ProgramStep<'p> {
     pub fn power_up(&self) -> ProgramState {
         let value = |latch: &Latch| match *latch {
             Latch::Variable(id) => self.project.variables[id].initial != 0,
+            Latch::Bit(id, bit) => self.project.variables[id].initial >> bit & 1 == 1,
             Latch::Step(p, id) => match &self.project.programs[p].body {
                 Body::Sfc(sfc) => sfc.steps[id].initial,
                 Body::Code(_) => false,
@@ -209,7 +219,7 @@ impl<'p> ProgramStep<'p> {
         for s in statements {
             match s {
                 Statement::Coil(coil) => written.extend(self.variables[coil.variable.index()]),
-                Statement::Move { .. } => {}
+                Statement::Move { to, .. } => written.extend(self.integer(*to).into_iter().flatten()),
                 Statement::Call(call) => {
                     let block = self.blocks[call.block.index()];
                     let timer = self.presets[call.block.index()].is_some();
@@ -278,13 +288,21 @@ impl Run<'_, '_> {
     }
 
     fn value(&mut self, e: &Bool, shared: &[Lit]) -> Lit {
+        // Numbers are computed first, so that the rest needs nothing but the state.
+        let mut compared = Vec::new();
+        e.for_each_atom(&mut |atom| {
+            if let Atom::Compare(relation, left, right) = atom {
+                compared.push(self.compare(*relation, left, right));
+            }
+        });
+        let mut compared = compared.into_iter();
         let (step, program, state) = (self.step, self.program, &*self.state);
         self.aig.expression(e, &mut |_, atom| match *atom {
             Atom::Variable(v) => state[step.variables[v.index()].expect("what is not BOOL has been refused")],
             Atom::Step(s) => state[step.steps[program] + s.index()],
             Atom::Output(b) => state[step.blocks[b.index()] + 1],
             Atom::Shared(i) => shared[i],
-            Atom::Compare(..) => unreachable!("comparisons have been refused"),
+            Atom::Compare(..) => compared.next().expect("atoms come in one order"),
         })
     }
 
@@ -307,7 +325,7 @@ impl Run<'_, '_> {
                         }
                     }
                 }
-                Statement::Move { .. } => unreachable!("numbers have been refused"),
+                Statement::Move { to, value } => self.move_number(*to, value, run),
                 Statement::Call(call) => self.call(call, run),
             }
         }
@@ -497,7 +515,10 @@ impl Refusal<'_> {
                 self.variable(coil.variable)?;
                 self.condition(&coil.condition)
             }
-            Statement::Move { .. } => self.because("a number"),
+            Statement::Move { to, value } => {
+                self.integer(*to)?;
+                self.number(value)
+            }
             Statement::Call(call) => {
                 let both = match self.project.blocks[call.block].kind {
                     BlockKind::RTrig | BlockKind::FTrig => false,
@@ -530,10 +551,10 @@ impl Refusal<'_> {
         let mut result = Ok(());
         for e in condition.shared.iter().chain([&condition.value]) {
             e.for_each_atom(&mut |atom| {
-                let found = match *atom {
-                    Atom::Variable(v) => self.variable(v),
+                let found = match atom {
+                    Atom::Variable(v) => self.variable(*v),
                     Atom::Step(_) | Atom::Shared(_) | Atom::Output(_) => Ok(()),
-                    Atom::Compare(..) => self.because("a comparison"),
+                    Atom::Compare(_, left, right) => self.number(left).and_then(|()| self.number(right)),
                 };
                 if result.is_ok() {
                     result = found;
@@ -546,7 +567,7 @@ impl Refusal<'_> {
     fn variable(&self, id: VarId) -> Result<(), String> {
         match self.project.variables[id].kind {
             Kind::Bool => Ok(()),
-            Kind::Int { .. } | Kind::Time => self.because("a number"),
+            Kind::Int { .. } | Kind::Time => self.because("a number as BOOL"),
         }
     }
 }

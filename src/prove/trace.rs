@@ -2,8 +2,10 @@
 
 use super::joint::{Joint, Run, Stimulus};
 use super::matching::{Match, Pair};
-use super::parts::Part;
+use super::parts::{Part, WIDTH};
+use super::program_step::Latch;
 use crate::bits::aig::Lit;
+use crate::bits::vector;
 use crate::ir::iec::Time;
 use std::fmt;
 
@@ -45,10 +47,17 @@ pub struct Scan {
 impl Trace {
     /// Runs both sides.
     pub fn of(pair: Pair<'_>, matched: &Match, joint: &Joint, stimuli: &[Stimulus]) -> Trace {
-        let compared = matched.parts.iter().map(|&(part, latch)| Compared {
-            part,
-            what: part.describe(pair.machine),
-            name: pair.program.name(pair.program.latches()[latch]),
+        let compared = matched.parts.iter().map(|&(part, latch)| {
+            // The bits of an integer are shown as the number that they are.
+            let what = match part {
+                Part::Bit(i, _) => format!("integer {}", pair.machine.integers[i].name),
+                part => part.describe(pair.machine),
+            };
+            let latch = match pair.program.latches()[latch] {
+                Latch::Bit(variable, _) => Latch::Variable(variable),
+                latch => latch,
+            };
+            Compared { part, what, name: pair.program.name(latch) }
         });
         let mut trace = Trace {
             cycle: joint.cycle,
@@ -75,6 +84,19 @@ impl Trace {
     }
 }
 
+/// The row of the integer whose lowest bit is the thing compared at `place`, if it is to be shown.
+fn number(place: usize, compared: &Compared, scan: &Scan, before: Option<&Scan>) -> Option<[String; 4]> {
+    let of = |values: &[bool]| vector::value(values[place..place + usize::from(WIDTH)].iter().copied());
+    let (chart, program) = (of(&scan.chart), of(&scan.program));
+    let was = before.map_or((0, 0), |b| (of(&b.chart), of(&b.program)));
+    let found = match chart == program {
+        true if (chart, program) == was => return None,
+        true => program.to_string(),
+        false => format!("{program}  <- {}", compared.name),
+    };
+    Some([String::new(), compared.what.clone(), chart.to_string(), found])
+}
+
 impl fmt::Display for Trace {
     /// A table of what changes from scan to scan. Before the first one everything counts as off.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -94,11 +116,17 @@ impl fmt::Display for Trace {
                 }
             }
             for (i, compared) in self.compared.iter().enumerate() {
+                if let Part::Bit(_, bit) = compared.part {
+                    if bit == 0 {
+                        rows.extend(number(i, compared, scan, before));
+                    }
+                    continue;
+                }
                 let (chart, program) = (scan.chart[i], scan.program[i]);
                 let changes = |value: bool, was: Option<bool>| value != was.unwrap_or(false);
                 let shown = match compared.part {
                     // The same as flag, input or event as long as nothing is wrong.
-                    Part::Step(_) | Part::Input(_) | Part::Raised(_) | Part::Begins(_) => false,
+                    Part::Step(_) | Part::Input(_) | Part::Raised(_) | Part::Begins(_) | Part::Bit(..) => false,
                     Part::Flag(_)
                     | Part::Event(_)
                     | Part::Output(_)

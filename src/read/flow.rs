@@ -4,6 +4,7 @@
 
 use super::Problem;
 use super::body::{Body, Line, describe};
+use super::functions::{self, Function};
 use super::program::{Context, broken};
 use super::st::{self, Binding, Value};
 use super::xml::{self, Family, Node};
@@ -151,6 +152,7 @@ impl<'b, 'a> Flow<'b, 'a> {
                     return Err(xml::not_understood(message, node));
                 }
             }
+            "block" if functions::is_function(node) => {}
             "block" => self.call(element, cx)?,
             _ => return Err(xml::not_understood(format!("{} as a source", describe(node)), node)),
         }
@@ -276,7 +278,7 @@ impl<'b, 'a> Flow<'b, 'a> {
         let source = self.body.elements[line.from];
         match source.tag_name().name() {
             "inVariable" => Ok(in_variable(source, cx)?.0),
-            "block" => {
+            "block" if !functions::is_function(source) => {
                 self.call(line.from, cx)?;
                 self.output(line, cx)
             }
@@ -290,6 +292,9 @@ impl<'b, 'a> Flow<'b, 'a> {
             return Ok(());
         }
         let node = self.body.elements[element];
+        if functions::is_function(node) {
+            return self.assign_result(node, cx);
+        }
         if self.chain == CHAIN {
             return Err(xml::not_understood(format!("a chain of more than {CHAIN} function blocks"), node));
         }
@@ -300,9 +305,7 @@ impl<'b, 'a> Flow<'b, 'a> {
     }
 
     fn call_new(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
-        let Some(name) = xml::attribute(node, "instanceName") else {
-            return Err(xml::not_understood(format!("the function {}", describe(node)), node));
-        };
+        let name = xml::required(node, "instanceName")?;
         let block = instance(name, node, cx)?;
         let mut call = Call { block, input: None, reset: None, preset: None };
         for variable in pins(node, "inputVariables") {
@@ -369,9 +372,57 @@ impl<'b, 'a> Flow<'b, 'a> {
         Ok(())
     }
 
+    /// The function whose result comes along `line`, if one does. Each function has one user.
+    pub fn function(&mut self, line: &Line<'a>, cx: &Context<'_, '_>) -> Result<Option<Function>, Problem> {
+        let node = self.body.elements[line.from];
+        if !functions::is_function(node) {
+            return Ok(None);
+        }
+        if std::mem::replace(&mut self.called[line.from], true) {
+            return Err(xml::not_understood(format!("{}, which has several users,", describe(node)), node));
+        }
+        let pin = output_pin(node, line)?;
+        if !matches!(functions::results(node).as_slice(), [only] if *only == pin) {
+            return Err(xml::not_understood(format!("a line from another output of {}", describe(node)), line.node));
+        }
+        functions::read(node, self.body, cx).map(Some)
+    }
+
+    /// CODESYS names within the output pin of a function the variable that takes the result.
+    fn assign_result(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
+        if cx.family == Family::Beremiz {
+            // It runs when its user does; without one it does nothing, unless it is to run before all else.
+            let ordered = xml::attribute(node, "executionOrderId").is_some_and(|n| n != "0");
+            let message = || xml::not_understood(format!("the execution order of {}", describe(node)), node);
+            return if ordered { Err(message()) } else { Ok(()) };
+        }
+        for pin in functions::results(node) {
+            let target = xml::child(pin, "connectionPointOut").and_then(|p| xml::child(p, "expression"));
+            let target = target.map(xml::text).unwrap_or_default();
+            if target.trim().is_empty() || target.trim() == "???" {
+                continue;
+            }
+            if xml::flag(pin, "negated") || given(pin, "edge").is_some() || functions::results(node).len() > 1 {
+                return Err(xml::not_understood(format!("an assigned output of {}", describe(node)), pin));
+            }
+            let function = functions::read(node, self.body, cx)?;
+            self.calls.push(function.assign(&target, node, cx)?);
+        }
+        Ok(())
+    }
+
     /// The output of a block that has been called, from which a line comes.
     fn output(&mut self, line: &Line<'a>, cx: &mut Context<'_, '_>) -> Result<Value, Problem> {
         let node = self.body.elements[line.from];
+        if let Some(function) = self.function(line, cx)? {
+            return match function.value {
+                Value::Bool(value) => {
+                    let pin = output_pin(node, line)?;
+                    Ok(Value::Bool(self.modify(Condition::simple(value), pin, cx)?.value))
+                }
+                Value::Int(_) | Value::Time(_) => Err(needs_bool(node)),
+            };
+        }
         let name = xml::required(node, "instanceName")?;
         let block = instance(name, node, cx)?;
         let pin = output_pin(node, line)?;
@@ -413,7 +464,7 @@ fn output_pin<'a>(node: Node<'a>, line: &Line<'a>) -> Result<Node<'a>, Problem> 
     })
 }
 
-fn pins<'a>(node: Node<'a>, list: &'static str) -> impl Iterator<Item = Node<'a>> {
+pub fn pins<'a>(node: Node<'a>, list: &'static str) -> impl Iterator<Item = Node<'a>> {
     xml::child(node, list).into_iter().flat_map(|n| xml::children_named(n, "variable"))
 }
 

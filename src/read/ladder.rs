@@ -2,7 +2,7 @@
 //!
 //! Coils and assigned variables run in document order. In files of the Beremiz family a function
 //! block runs before its first user, one with an execution order before everything, and one that
-//! nobody uses after everything: so does its code generator. In the CODESYS family a block runs
+//! nobody uses after everything: so does its code generator. A function is evaluated by its user. In the CODESYS family a block runs
 //! where it stands, or before its first user.
 
 use super::Problem;
@@ -102,6 +102,11 @@ fn out_variable<'a>(
         }
         Kind::Int { .. } | Kind::Time => {
             let lines = body.lines(node)?;
+            if let [line] = lines.as_slice()
+                && let Some(function) = flow.function(line, cx)?
+            {
+                return function.assign(&name, node, cx);
+            }
             let value = flow.number(&lines, node, cx)?;
             st::assignment(&path, value, &cx.scope).map_err(|f| broken(f, &name, node))
         }

@@ -11,6 +11,7 @@
 //! | [`declarations`] | lists of variables | variables, blocks, names |
 //! | [`body`] | drawn body | elements by number, lines between them |
 //! | [`token`], [`st`] | structured text | tokens, then expressions and statements |
+//! | [`functions`] | boxes of functions | numbers, comparisons |
 //! | [`flow`], [`ladder`] | contacts, blocks, coils | statements |
 //! | [`sfc`], [`order`], [`actions`] | steps and lines between them | chart |
 //!
@@ -20,6 +21,7 @@ mod actions;
 mod body;
 mod declarations;
 mod flow;
+mod functions;
 mod ladder;
 mod literal;
 mod order;
@@ -207,8 +209,8 @@ fn read_program(
     }
     let visible = (family == Family::Codesys).then_some(globals);
     let scope = Scope { locals, globals: visible, steps: BTreeMap::new() };
-    let blocks = &mut project.blocks;
-    let mut context = Context { family, scope, place, blocks, problems };
+    let Project { variables, blocks, .. } = project;
+    let mut context = Context { family, scope, place, variables, blocks, problems };
     let Some(body) = xml::child(instance.pou, "body") else {
         context.report(xml::problem(Code::Unconnected, "a program has no body", instance.pou));
         return Body::Code(Vec::new());

@@ -5,7 +5,7 @@ use super::scope::Scope;
 use super::st::{self, Fail, Value};
 use super::xml::{self, Family, Node};
 use crate::base::{Arena, Diagnostics};
-use crate::ir::iec::{Block, BlockId, BlockKind, Scope as Place};
+use crate::ir::iec::{Block, BlockId, BlockKind, Kind, Scope as Place, VarId, Variable};
 
 /// The surroundings in which a body is read.
 pub struct Context<'c, 'g> {
@@ -15,6 +15,8 @@ pub struct Context<'c, 'g> {
     pub scope: Scope<'g>,
     /// The program's own place, for blocks that no one declares.
     pub place: Place,
+    /// All variables of the project.
+    pub variables: &'c Arena<Variable>,
     /// All blocks of the project.
     pub blocks: &'c mut Arena<Block>,
     /// What is wrong so far.
@@ -25,6 +27,11 @@ impl Context<'_, '_> {
     /// Notes a problem.
     pub fn report(&mut self, problem: Problem) {
         self.problems.push(problem);
+    }
+
+    /// The type of a variable.
+    pub fn kind(&self, variable: VarId) -> Kind {
+        self.variables[variable].kind
     }
 
     /// A block that stands for an edge contact or edge coil.

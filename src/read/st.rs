@@ -11,7 +11,7 @@ use super::token::{Token, tokens};
 use crate::base::{Arena, Code};
 use crate::ir::expr::Expr;
 use crate::ir::iec::{
-    Atom, Block, BlockId, BlockKind, Bool, Call, Coil, CoilKind, Comparison, Condition, Kind, Number, Statement, VarId,
+    Atom, Block, BlockId, BlockKind, Bool, Call, Coil, CoilKind, Condition, Kind, Number, Relation, Statement, VarId,
 };
 
 /// Deepest expression.
@@ -296,9 +296,9 @@ impl<'s, 'g> Parser<'s, 'g> {
         let mut left = self.relation()?;
         loop {
             let comparison = if self.eat("=") {
-                Comparison::Equal
+                Relation::Equal
             } else if self.eat("<>") {
-                Comparison::Unequal
+                Relation::Unequal
             } else {
                 return Ok(left);
             };
@@ -311,13 +311,13 @@ impl<'s, 'g> Parser<'s, 'g> {
         let mut left = self.sum()?;
         loop {
             let comparison = if self.eat("<") {
-                Comparison::Less
+                Relation::Less
             } else if self.eat("<=") {
-                Comparison::LessOrEqual
+                Relation::LessOrEqual
             } else if self.eat(">") {
-                Comparison::Greater
+                Relation::Greater
             } else if self.eat(">=") {
-                Comparison::GreaterOrEqual
+                Relation::GreaterOrEqual
             } else {
                 return Ok(left);
             };
@@ -326,7 +326,7 @@ impl<'s, 'g> Parser<'s, 'g> {
         }
     }
 
-    fn compare(&self, comparison: Comparison, left: Built, right: Built) -> Result<Built, Fail> {
+    fn compare(&self, comparison: Relation, left: Built, right: Built) -> Result<Built, Fail> {
         let depth = left.depth.max(right.depth) + 2;
         let value = match (left.value, right.value) {
             (Value::Int(l), Value::Int(r)) | (Value::Time(l), Value::Time(r)) => {
@@ -335,8 +335,8 @@ impl<'s, 'g> Parser<'s, 'g> {
             (left, right) => {
                 let types = (left.type_name(), right.type_name());
                 match (comparison, left.bool(), right.bool()) {
-                    (Comparison::Equal, Some(l), Some(r)) => Expr::xor(l, r).not(),
-                    (Comparison::Unequal, Some(l), Some(r)) => Expr::xor(l, r),
+                    (Relation::Equal, Some(l), Some(r)) => Expr::xor(l, r).not(),
+                    (Relation::Unequal, Some(l), Some(r)) => Expr::xor(l, r),
                     _ => {
                         let message = format!("{} and {} cannot be compared so", types.0, types.1);
                         return Err(fail(Code::BrokenText, message));

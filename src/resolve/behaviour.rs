@@ -25,6 +25,9 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
         }
         for written in &body.body.actions {
             let condition = condition(r, &written.condition, &context);
+            if r.wants_number(&written.variable) {
+                continue;
+            }
             if let Some(variable) = r.variable(&written.variable) {
                 let action = chart::Action { variable, value: written.value, condition, span: written.variable.span };
                 r.machine.states[state].actions.push(action);
@@ -41,26 +44,46 @@ impl Resolver {
     pub fn deeds<'e>(&mut self, written: impl IntoIterator<Item = &'e ast::Effect>, what: &str) -> chart::Deeds {
         let mut deeds = chart::Deeds::default();
         for effect in written {
-            let value = match effect.value {
-                ast::EffectValue::Bool(value) => value,
+            match &effect.value {
+                ast::EffectValue::Bool(value) => self.set(&effect.variable, *value, what, &mut deeds.effects),
                 ast::EffectValue::Raised => {
                     let event = self.event(&effect.variable).filter(|e| !deeds.raises.contains(e));
                     deeds.raises.extend(event);
-                    continue;
                 }
-            };
-            let Some(variable) = self.variable(&effect.variable) else { continue };
-            match deeds.effects.iter().find(|e| e.variable == variable) {
-                None => deeds.effects.push(chart::Effect { variable, value, span: effect.variable.span }),
-                Some(first) if first.value == value => {}
-                Some(first) => self.diagnostics.push(
-                    Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", effect.variable.text))
-                        .label(effect.variable.span, "and here the other")
-                        .label(first.span, "here the one"),
-                ),
+                ast::EffectValue::Integer(value, span) => {
+                    let Some(assignment) = self.assignment(&effect.variable, value, *span) else { continue };
+                    match deeds.assignments.iter().find(|a| a.integer == assignment.integer) {
+                        None => deeds.assignments.push(assignment),
+                        Some(first) => self.diagnostics.push(
+                            Diagnostic::new(
+                                Code::SetAndReset,
+                                format!("{what} assigns to `{}` twice", effect.variable.text),
+                            )
+                            .label(assignment.span, "and here the other value")
+                            .label(first.span, "here the one"),
+                        ),
+                    }
+                }
             }
         }
         deeds
+    }
+
+    /// `set V` or `reset V`.
+    fn set(&mut self, name: &ast::Name, value: bool, what: &str, effects: &mut Vec<chart::Effect>) {
+        if self.wants_number(name) {
+            return;
+        }
+        let Some(variable) = self.variable(name) else { return };
+        match effects.iter().find(|e| e.variable == variable) {
+            None => effects.push(chart::Effect { variable, value, span: name.span }),
+            Some(first) if first.value == value => {}
+            Some(first) => self.diagnostics.push(
+                Diagnostic::new(Code::SetAndReset, format!("{what} sets and resets `{}`", name.text))
+                    .label(name.span, "and here the other")
+                    .label(first.span, "here the one"),
+            ),
+        }
     }
 }
 

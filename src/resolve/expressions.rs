@@ -45,6 +45,7 @@ impl Resolver {
     pub fn term(&mut self, term: &Term, context: &Context) -> Guard {
         match term {
             Term::Value(path) => self.value(path, context),
+            Term::Compare(comparison, span) => self.compare(comparison, *span, context),
             Term::Prev(path) => self.previous(path, context),
             Term::Rise(path) => self.edge(path, context, true),
             Term::Fall(path) => self.edge(path, context, false),
@@ -160,6 +161,11 @@ impl Resolver {
                 self.plant_reads(path.span(), &format!("`{name}` is {} of the program", kind(symbol)));
                 Expr::FALSE
             }
+            (Symbol::Integer(_), Context::Plant) => {
+                self.plant_reads(path.span(), &format!("`{name}` is a variable of the program"));
+                Expr::FALSE
+            }
+            (Symbol::Integer(_), _) => self.neither_nor(path),
             (Symbol::Bit(_), _) => self.hidden(path),
             (Symbol::Output(_), Context::Assumption) => {
                 self.bad_assumption(path.span(), &format!("`{name}` is what the program decides in this scan"));
@@ -186,7 +192,7 @@ impl Resolver {
             (_, Context::Sensor) => self.only_inputs(path, symbol),
             (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
             (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
-            (Symbol::Variable(_) | Symbol::Event(_), _) => self.no_past(path, symbol),
+            (Symbol::Variable(_) | Symbol::Integer(_) | Symbol::Event(_), _) => self.no_past(path, symbol),
             (Symbol::Bit(_), _) => self.hidden(path),
         }
     }
@@ -202,7 +208,7 @@ impl Resolver {
             ) => (Atom::Output(id), Atom::PrevOutput(id)),
             (Symbol::Bit(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
-            (Symbol::Variable(_) | Symbol::Event(_), _) => return self.no_past(path, symbol),
+            (Symbol::Variable(_) | Symbol::Integer(_) | Symbol::Event(_), _) => return self.no_past(path, symbol),
         };
         let (now, before) = (Expr::Atom(now), Expr::Atom(before));
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
@@ -286,6 +292,17 @@ impl Resolver {
         Expr::FALSE
     }
 
+    fn neither_nor(&mut self, path: &PathRef) -> Guard {
+        let name = &path.parts[0].0;
+        self.misplaced(
+            &format!("`{name}` is an integer, neither TRUE nor FALSE"),
+            path.span(),
+            "a condition is expected here",
+            &format!("compare it: `{name} = 1`"),
+        );
+        Expr::FALSE
+    }
+
     fn hidden(&mut self, path: &PathRef) -> Guard {
         let name = &path.parts[0].0;
         self.misplaced(
@@ -297,7 +314,7 @@ impl Resolver {
         Expr::FALSE
     }
 
-    fn plant_reads(&mut self, span: Span, message: &str) {
+    pub fn plant_reads(&mut self, span: Span, message: &str) {
         self.diagnostics.push(
             Diagnostic::new(Code::PlantReads, message)
                 .label(span, "a plant sees what stands at the terminals")

@@ -6,7 +6,7 @@
 //!
 //! The steps run in this order, each in a file of its own:
 //!
-//! 1. [`signals`]: inputs, outputs, variables, events
+//! 1. [`signals`]: inputs, outputs, variables, events; [`integers`] holds what is said of integers
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: observers, charts, regions and states, movements among them
 //! 4. [`targets`]: where regions begin, where transitions lead
@@ -19,6 +19,7 @@
 mod actuators;
 mod behaviour;
 mod expressions;
+mod integers;
 mod names;
 mod plant;
 mod safety;
@@ -30,8 +31,10 @@ mod targets;
 mod transitions;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Id};
+use crate::ir::number::Comparison;
 use crate::ir::{ast, chart};
 use names::Names;
+use std::collections::HashMap;
 
 /// Resolves a tree. The machine is whole only if there is no error among the diagnostics.
 pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
@@ -42,6 +45,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
             ..chart::Machine::default()
         },
         names: Names::default(),
+        comparisons: HashMap::new(),
         diagnostics: Diagnostics::new(),
     };
     resolver.legal(&tree.name);
@@ -64,6 +68,8 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
 struct Resolver {
     machine: chart::Machine,
     names: Names,
+    /// Which comparisons there are so far; only looked up, never walked.
+    comparisons: HashMap<Comparison<chart::IntegerId>, chart::ComparisonId>,
     diagnostics: Diagnostics,
 }
 

@@ -14,6 +14,7 @@ pub enum Symbol {
     Output(chart::OutputId),
     Variable(chart::VariableId),
     Event(chart::EventId),
+    Integer(chart::IntegerId),
     Bit(BitId),
 }
 
@@ -473,6 +474,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Output(_) => "an output",
         Symbol::Variable(_) => "a variable",
         Symbol::Event(_) => "an event",
+        Symbol::Integer(_) => "an integer",
         Symbol::Bit(_) => "a hidden bit of the plant",
     }
 }

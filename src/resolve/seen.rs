@@ -32,6 +32,7 @@ impl Resolver {
             Term::First(path) if matches!(context, Context::Expectation) => self.first(path),
             Term::Blocked(span) if matches!(context, Context::Expectation) => self.blocked(*span),
             Term::Value(_)
+            | Term::Compare(..)
             | Term::Prev(_)
             | Term::Rise(_)
             | Term::Fall(_)

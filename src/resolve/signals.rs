@@ -24,13 +24,22 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
         r.declare_symbol(&signal.name, Symbol::Output(id));
     }
     for variable in &tree.variables {
-        let id = r.machine.variables.push(chart::Variable {
-            name: variable.name.text.clone(),
-            initial: variable.initial,
-            description: describe(&variable.description),
-            span: variable.name.span,
-        });
-        r.declare_symbol(&variable.name, Symbol::Variable(id));
+        let (name, span) = (variable.name.text.clone(), variable.name.span);
+        let description = describe(&variable.description);
+        let symbol = match &variable.kind {
+            ast::VariableKind::Bool(initial) => Symbol::Variable(r.machine.variables.push(chart::Variable {
+                name,
+                initial: *initial,
+                description,
+                span,
+            })),
+            kind @ ast::VariableKind::Integer { .. } => {
+                let (range, initial) = r.range(kind);
+                let integer = chart::Integer { name, range, initial, description, span };
+                Symbol::Integer(r.machine.integers.push(integer))
+            }
+        };
+        r.declare_symbol(&variable.name, symbol);
     }
     for event in &tree.events {
         let (name, span) = (event.name.text.clone(), event.name.span);

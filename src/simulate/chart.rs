@@ -9,6 +9,7 @@
 //! - only active regions are visited, and of their transitions only those that leave the active state;
 //! - what states drive, set and reset is looked up for active states that do so: a few bits in the
 //!   words of states;
+//! - a comparison of integers is one more bit, see [`integers`];
 //! - the filter decides all outputs of a word at once, see [`filter`].
 //!
 //! ```
@@ -28,12 +29,16 @@
 
 mod code;
 mod filter;
+mod integers;
 mod steps;
 mod ways;
 
-use crate::ir::chart::{ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, TransitionId, VariableId};
+use crate::ir::chart::{
+    ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId, VariableId,
+};
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
+use integers::Integers;
 use std::ops::Range;
 use steps::{Configuration, Steps};
 
@@ -59,6 +64,7 @@ pub struct Chart {
     assumptions: Vec<Condition>,
 
     memory: Memory,
+    integers: Integers,
     configuration: Configuration,
     /// For each word of variables, what actions are about to set and to reset.
     writes: Vec<(u64, u64)>,
@@ -102,6 +108,8 @@ impl Chart {
                 words[word] |= bit;
             }
         }
+        let mut memory = Memory { words, scan: 0, entered: vec![0; machine.states.len()], integers: Vec::new() };
+        let integers = Integers::of(machine, layout, &mut memory);
         let mut chart = Chart {
             inputs: machine.inputs.len(),
             layout,
@@ -115,9 +123,10 @@ impl Chart {
             actions: Vec::new(),
             broken: vec![false; assumptions.len()],
             assumptions,
-            memory: Memory { words, scan: 0, entered: vec![0; machine.states.len()] },
+            memory,
+            integers,
             configuration: Configuration::of(machine),
-            writes: vec![(0, 0); layout.states - layout.variables],
+            writes: vec![(0, 0); layout.comparisons - layout.variables],
             commands: vec![0; layout.events - layout.outputs],
             filter,
             code,
@@ -181,6 +190,7 @@ impl Chart {
         } else {
             self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
         }
+        self.integers.assign(self.configuration.happened(), &mut self.memory);
         self.act();
         self.drive();
         self.filter.decide(&mut self.memory.words, &self.commands);
@@ -288,6 +298,11 @@ impl Chart {
     pub fn event(&self, event: EventId) -> bool {
         let (word, bit) = self.layout.event(event);
         self.memory.words[word] & bit != 0
+    }
+
+    /// The integer's value after the last scan.
+    pub fn integer(&self, integer: IntegerId) -> i64 {
+        self.memory.integers[integer.index()]
     }
 
     /// What the chart wanted of the output in the last scan.

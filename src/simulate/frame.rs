@@ -1,6 +1,9 @@
 //! All values of a machine at the end of a scan, and what conditions make of them.
 
-use crate::ir::chart::{Atom, ConstraintId, EventId, InputId, Machine, Mark, OutputId, StateId, StateKind, VariableId};
+use crate::ir::chart::{
+    Atom, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, StateKind, VariableId,
+};
+use crate::ir::number::{Number, Relation};
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 use std::ops::Range;
 
@@ -15,12 +18,17 @@ pub struct Layout {
     acted: usize,
     broken: usize,
     marks: usize,
+    integers: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
-/// states, alarms of constraints, alarms of assumptions, what the filter remembers.
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the
+/// [`WIDTH`] bits of its two's complement, the lowest first.
 pub type Frame = Vec<bool>;
+
+/// How many places an integer takes: those of an INT.
+pub const WIDTH: usize = 16;
 
 impl Layout {
     /// The layout for `machine`.
@@ -33,8 +41,9 @@ impl Layout {
         let acted = states + machine.states.len();
         let broken = acted + machine.safety.constraints.len();
         let marks = broken + machine.safety.assumptions.len();
-        let len = marks + machine.safety.marks().count();
-        Layout { bits, outputs, variables, events, states, acted, broken, marks, len }
+        let integers = marks + machine.safety.marks().count();
+        let len = integers + machine.integers.len() * WIDTH;
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, len }
     }
 
     /// A frame with all values FALSE.
@@ -79,7 +88,7 @@ impl Layout {
 
     /// The places of what the filter remembers.
     pub fn marks(&self) -> Range<usize> {
-        self.marks..self.len
+        self.marks..self.integers
     }
 
     /// The place of an input.
@@ -138,6 +147,32 @@ impl Layout {
         }
     }
 
+    /// The value of an integer in a frame.
+    pub fn integer(&self, integer: IntegerId, frame: &[bool]) -> i64 {
+        let bits = &frame[self.place_of(integer)];
+        // The highest bit says how often the range of all bits is to be taken away.
+        bits.iter()
+            .enumerate()
+            .fold(0, |n, (i, &bit)| n + i64::from(bit) * if i + 1 == WIDTH { -1 << i } else { 1 << i })
+    }
+
+    /// Writes the value of an integer into a frame.
+    pub fn put_integer(&self, integer: IntegerId, value: i64, frame: &mut [bool]) {
+        for (i, bit) in frame[self.place_of(integer)].iter_mut().enumerate() {
+            *bit = value >> i & 1 == 1;
+        }
+    }
+
+    fn place_of(&self, integer: IntegerId) -> Range<usize> {
+        let first = self.integers + integer.index() * WIDTH;
+        first..first + WIDTH
+    }
+
+    /// The places of integers.
+    pub fn integers(&self) -> Range<usize> {
+        self.integers..self.len
+    }
+
     /// What a condition reads, in a frame and the one before.
     pub fn value(&self, machine: &Machine, seen: Seen, now: &[bool], before: &[bool]) -> bool {
         match seen {
@@ -147,6 +182,18 @@ impl Layout {
             Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
             Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
             Seen::Machine(Atom::Event(e)) => now[self.event(e)],
+            Seen::Machine(Atom::Compare(c)) => {
+                let comparison = &machine.comparisons[c];
+                let (left, right) = (self.number(&comparison.left, now), self.number(&comparison.right, now));
+                match comparison.relation {
+                    Relation::Equal => left == right,
+                    Relation::Unequal => left != right,
+                    Relation::Less => left < right,
+                    Relation::LessOrEqual => left <= right,
+                    Relation::Greater => left > right,
+                    Relation::GreaterOrEqual => left >= right,
+                }
+            }
             Seen::Machine(Atom::In(s)) => now[self.state(s)],
             Seen::Machine(Atom::Done(s)) => machine.states[s].regions.iter().all(|&r| {
                 let mut states = machine.regions[r].states.iter();
@@ -159,6 +206,17 @@ impl Layout {
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],
             Seen::Mark(mark) => now[self.mark(mark)],
+        }
+    }
+
+    fn number(&self, number: &Number<IntegerId>, frame: &[bool]) -> i64 {
+        match number {
+            Number::Const(n) => *n,
+            Number::Value(i) => self.integer(*i, frame),
+            Number::Sum(operands) => operands.iter().fold(0, |sum, o| {
+                let value = self.number(&o.value, frame);
+                if o.negative { sum - value } else { sum + value }
+            }),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
-use crate::ir::chart::{Machine, StateId};
+use crate::ir::chart::{IntegerId, Machine, StateId};
 use crate::ir::scenario::Seen;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
@@ -40,7 +40,7 @@ impl Recording {
     }
 
     /// The scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
-    /// became FALSE with `-`, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
+    /// became FALSE with `-`, integers with their new values, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
     pub fn table(&self, machine: &Machine, most: usize) -> String {
         let names = Names::of(machine);
         let mut rows: Vec<[String; 5]> = Vec::new();
@@ -61,8 +61,10 @@ impl Recording {
     }
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
-    /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, and what the filter remembers.
+    /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, what the filter remembers,
+    /// and integer.
     pub fn csv(&self, machine: &Machine) -> String {
+        let layout = Layout::of(machine);
         let mut out = String::from("scan");
         for name in columns(machine) {
             let _ = write!(out, ",{name}");
@@ -70,8 +72,11 @@ impl Recording {
         out.push('\n');
         for (scan, frame) in self.frames() {
             let _ = write!(out, "{scan}");
-            for &value in frame {
+            for &value in &frame[..layout.integers().start] {
                 out.push_str(if value { ",1" } else { ",0" });
+            }
+            for id in machine.integers.ids() {
+                let _ = write!(out, ",{}", layout.integer(id, frame));
             }
             out.push('\n');
         }
@@ -90,6 +95,7 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
     names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
+    names.extend(machine.integers.values().map(|i| i.name.clone()));
     names
 }
 
@@ -137,6 +143,7 @@ pub struct Names {
     columns: Vec<String>,
     states: Vec<String>,
     elementary: Vec<StateId>,
+    integers: Vec<(IntegerId, String, i64)>,
 }
 
 impl Names {
@@ -144,7 +151,8 @@ impl Names {
     pub fn of(machine: &Machine) -> Names {
         let elementary = machine.states.iter().filter(|(_, s)| s.regions.is_empty()).map(|(id, _)| id).collect();
         let (columns, states) = (columns(machine), short_names(machine));
-        Names { layout: Layout::of(machine), columns, states, elementary }
+        let integers = machine.integers.iter().map(|(id, i)| (id, i.name.clone(), i.initial)).collect();
+        Names { layout: Layout::of(machine), columns, states, elementary, integers }
     }
 
     /// What changed from one frame to the next: in inputs, in outputs and alarms, in states.
@@ -155,6 +163,12 @@ impl Names {
         for (cell, places) in [(0, self.layout.given()), (1, self.layout.written())] {
             let changed = places.filter(|&i| was(i) != now[i]);
             cells[cell].extend(changed.map(|i| sign(now[i], &self.columns[i])));
+        }
+        for (id, name, initial) in &self.integers {
+            let value = self.layout.integer(*id, now);
+            if before.map_or(*initial, |b| self.layout.integer(*id, b)) != value {
+                cells[1].push(format!("{name}={value}"));
+            }
         }
         for i in self.layout.alarms().filter(|&i| now[i] && !was(i)) {
             let column = &self.columns[i];

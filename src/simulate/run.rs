@@ -5,9 +5,10 @@ use super::frame::{Frame, Layout};
 use super::plant::Plant;
 use super::plc::Plc;
 use crate::base::Span;
-use crate::ir::chart::{InputId, Machine, Mark};
+use crate::ir::chart::{Atom, ComparisonId, InputId, IntegerId, Machine, Mark};
+use crate::ir::number::Comparison;
 use crate::ir::plc::{self, Role};
-use crate::ir::scenario::Condition;
+use crate::ir::scenario::{Condition, Seen};
 use crate::ir::{iec, iec::VarId};
 
 /// What runs the machine.
@@ -26,6 +27,8 @@ pub struct Wired {
     inputs: Vec<VarId>,
     /// Places in frames with variables; a place is TRUE if one of its variables is.
     shown: Vec<(usize, VarId)>,
+    /// For each integer, its variable.
+    integers: Vec<VarId>,
 }
 
 impl Program {
@@ -68,6 +71,7 @@ impl Program {
         for (id, e) in machine.events.iter() {
             show(layout.event(id), find(Role::Event, &e.name, e.span));
         }
+        let integers = machine.integers.values().map(|i| find(Role::Variable, &i.name, i.span)[0]).collect();
         for (id, s) in machine.states.iter() {
             show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
         }
@@ -90,7 +94,7 @@ impl Program {
                 },
             );
         }
-        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown }))
+        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers }))
     }
 
     /// Runs one scan with the inputs that stand in `frame` and writes all else into it.
@@ -106,6 +110,9 @@ impl Program {
                 }
                 for id in machine.events.ids() {
                     frame[layout.event(id)] = chart.event(id);
+                }
+                for id in machine.integers.ids() {
+                    layout.put_integer(id, chart.integer(id), frame);
                 }
                 for id in machine.states.ids() {
                     frame[layout.state(id)] = chart.is_active(id);
@@ -129,6 +136,9 @@ impl Program {
                 frame[layout.written().start..].fill(false);
                 for &(place, variable) in &wired.shown {
                     frame[place] |= wired.plc.read(variable) != 0;
+                }
+                for (id, &variable) in machine.integers.ids().zip(&wired.integers) {
+                    layout.put_integer(id, wired.plc.read(variable), frame);
                 }
             }
         }
@@ -219,12 +229,27 @@ impl<'m> Run<'m> {
     pub fn values(&self, condition: &Condition) -> Vec<(String, bool)> {
         let mut values: Vec<(String, bool)> = Vec::new();
         condition.for_each_atom(&mut |&seen| {
-            let name = self.machine.seen(seen);
+            let mut name = self.machine.seen(seen);
+            if let Seen::Machine(Atom::Compare(c)) = seen {
+                name.push_str(&self.integers(c));
+            }
             if values.iter().all(|(n, _)| *n != name) {
                 values.push((name, self.layout.value(self.machine, seen, &self.now, &self.before)));
             }
         });
         values
+    }
+
+    /// The values of what a comparison reads: ` (Jars is 2)`.
+    fn integers(&self, comparison: ComparisonId) -> String {
+        let Comparison { left, right, .. } = &self.machine.comparisons[comparison];
+        let mut read: Vec<IntegerId> = Vec::new();
+        left.for_each_value(&mut |&i| read.push(i));
+        right.for_each_value(&mut |&i| read.push(i));
+        read.sort_unstable();
+        read.dedup();
+        let one = |i: IntegerId| format!("{} is {}", self.machine.integers[i].name, self.layout.integer(i, &self.now));
+        format!(" ({})", read.into_iter().map(one).collect::<Vec<_>>().join(", "))
     }
 }
 

@@ -1,13 +1,13 @@
 //! A recording to a value change dump, which GTKWave and Surfer show.
 //!
-//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `events`, `alarms`, `filter`, then one for each chart that follows its
+//! Scopes: `inputs`, `hidden`, `outputs`, `variables`, `events`, `integers`, `alarms`, `filter`, then one for each chart that follows its
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
-use super::frame::{Frame, Layout};
+use super::frame::{Frame, Layout, WIDTH};
 use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
-use crate::ir::chart::{Machine, RegionId};
+use crate::ir::chart::{IntegerId, Machine, RegionId};
 use std::ops::Range;
 use vcd::{IdCode, SimulationCommand, TimescaleUnit, VarType, Writer};
 
@@ -19,6 +19,7 @@ pub fn write(machine: &Machine, recording: &Recording) -> String {
         layout: Layout::of(machine),
         writer: Writer::new(Vec::new()),
         bits: Vec::new(),
+        integers: Vec::new(),
         regions: Vec::new(),
     };
     dump.head();
@@ -32,6 +33,8 @@ struct Dump<'m> {
     writer: Writer<Vec<u8>>,
     /// The one-bit variables, by place in the frames.
     bits: Vec<(IdCode, usize)>,
+    /// The variables that hold integers.
+    integers: Vec<(IdCode, IntegerId)>,
     /// The variables that name the active state of a region.
     regions: Vec<(IdCode, RegionId)>,
 }
@@ -50,6 +53,14 @@ impl Dump<'_> {
         self.group("outputs", outputs.clone());
         self.group("variables", outputs.end..layout.events().start);
         self.group("events", layout.events());
+        if !machine.integers.is_empty() {
+            self.writer.add_module("integers").expect(MEMORY);
+            for (id, integer) in machine.integers.iter() {
+                let code = self.writer.add_var(VarType::Integer, WIDTH as u32, &integer.name, None).expect(MEMORY);
+                self.integers.push((code, id));
+            }
+            self.writer.upscope().expect(MEMORY);
+        }
         self.group("alarms", alarms);
         self.group("filter", layout.marks());
         for chart in &machine.charts {
@@ -120,6 +131,13 @@ impl Dump<'_> {
             }
             for &(id, place) in self.bits.iter().filter(|(_, place)| changed(*place)) {
                 self.writer.change_scalar(id, frame[place]).expect(MEMORY);
+            }
+            for &(code, id) in &self.integers {
+                let value = self.layout.integer(id, frame);
+                if before.is_none_or(|b| self.layout.integer(id, b) != value) {
+                    let bits = (0..WIDTH).rev().map(|bit| vcd::Value::from(value >> bit & 1 == 1));
+                    self.writer.change_vector(code, bits).expect(MEMORY);
+                }
             }
             for &(id, region) in &self.regions {
                 let states = &self.machine.regions[region].states;

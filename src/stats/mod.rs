@@ -36,6 +36,8 @@ pub struct MachineStats {
     pub outputs: usize,
     /// Variables.
     pub variables: usize,
+    /// Integers.
+    pub integers: usize,
     /// Actuators.
     pub actuators: usize,
     /// Constraints each of whose products names one output.
@@ -87,6 +89,7 @@ impl MachineStats {
             inputs: machine.inputs.len(),
             outputs: machine.outputs.len(),
             variables: machine.variables.len(),
+            integers: machine.integers.len(),
             actuators: machine.actuators.len(),
             simple_constraints: constraints.len() - combined,
             combined_constraints: combined,
@@ -140,6 +143,7 @@ impl fmt::Display for Stats {
             ("inputs", m.inputs),
             ("outputs", m.outputs),
             ("variables", m.variables),
+            ("integers", m.integers),
             ("actuators", m.actuators),
             ("simple constraints", m.simple_constraints),
             ("combined constraints", m.combined_constraints),

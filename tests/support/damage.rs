@@ -4,7 +4,7 @@ use super::rng::Rng;
 use chartwright::base::Id;
 use chartwright::ir::expr::Expr;
 use chartwright::ir::iec::{
-    Association, Atom, Body, Bool, Coil, CoilKind, Condition, Project, Qualifier, Scope, Statement, Target, VarId,
+    Association, Atom, Body, Bool, Coil, CoilKind, Condition, Kind, Project, Qualifier, Scope, Statement, Target, VarId,
 };
 
 /// One damaged program, and what was done to it.
@@ -58,6 +58,7 @@ fn whole(project: &mut Project, p: usize, rng: &mut Rng) -> Option<String> {
             if project.variables[v].address.is_some() {
                 return None;
             }
+            // The other value of a BOOL, a near one of an integer.
             project.variables[v].initial ^= 1;
             Some(format!("{} begins with the other value", project.variables[v].name))
         }
@@ -115,7 +116,13 @@ fn code(project: &Project, statements: &mut Vec<Statement>, rng: &mut Rng) -> Op
 }
 
 fn any_variable(project: &Project, rng: &mut Rng) -> VarId {
-    Id::from_index(rng.below(project.variables.len()))
+    // What takes a number cannot take a condition: no tool would let that pass.
+    loop {
+        let v = Id::from_index(rng.below(project.variables.len()));
+        if project.variables[v].kind == Kind::Bool {
+            return v;
+        }
+    }
 }
 
 fn sfc_damage(project: &Project, sfc: &mut chartwright::ir::iec::Sfc, rng: &mut Rng) -> Option<String> {

@@ -6,6 +6,7 @@ pub mod damage;
 pub mod filters;
 pub mod items;
 pub mod models;
+pub mod numbers;
 pub mod plc;
 pub mod proof;
 pub mod random;

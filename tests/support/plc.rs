@@ -2,7 +2,7 @@
 
 use chartwright::ir::expr::Expr;
 use chartwright::ir::ladder::{CoilKind, Ladder, Rung};
-use chartwright::ir::plc::{Body, Global, GlobalId, Origin, Program, Project, Role, Task};
+use chartwright::ir::plc::{Body, Global, GlobalId, Origin, Program, Project, Role, Task, Value};
 use chartwright::ir::sfc::{Sfc, Step, StepId, Transition};
 use chartwright::ir::sop::Sum;
 
@@ -27,7 +27,7 @@ pub fn global(project: &mut Project, name: &str, role: Role, address: Option<&st
     project.globals.push(Global {
         name: name.to_owned(),
         address: address.map(str::to_owned),
-        initial: false,
+        initial: Value::Bool(false),
         role,
         description: format!("what {name} means"),
         origin: Origin::default(),
@@ -76,6 +76,7 @@ pub fn rung(ladder: &mut Ladder, condition: &Expr<GlobalId>, coil: GlobalId, kin
         comment: format!("rung {}", ladder.rungs.len()),
         condition: Sum::of(condition, 1000).expect("a small condition"),
         timer: None,
+        function: None,
         coil,
         kind,
         origin: Origin::default(),
@@ -103,7 +104,7 @@ pub fn sample() -> Project {
     let lamp = global(&mut p, "Lamp", Role::Output, Some("%QX0.1"));
     let always = global(&mut p, "Always", Role::Output, Some("%QX0.2"));
     let f_off = global(&mut p, "X_Off", Role::StepFlag, None);
-    p.globals[f_off].initial = true;
+    p.globals[f_off].initial = Value::Bool(true);
     let f_run = global(&mut p, "X_Run", Role::StepFlag, None);
     let f_out = global(&mut p, "X_Run_Out", Role::StepFlag, None);
     let f_back = global(&mut p, "X_Run_Back", Role::StepFlag, None);

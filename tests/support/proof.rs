@@ -62,6 +62,7 @@ impl<'a> Simulated<'a> {
             Part::Output(o) => self.chart.output(o),
             Part::Variable(v) => self.chart.variable(v),
             Part::Event(e) => self.chart.event(e),
+            Part::Bit(i, bit) => self.chart.integer(i) >> bit & 1 == 1,
             Part::Command(o) => self.chart.command(o),
             Part::Acted(c) => self.chart.acted(c),
             Part::Broken(a) => self.chart.broken(a),
@@ -91,6 +92,10 @@ impl<'a> Simulated<'a> {
             Part::Broken(a) => self.names.broken[a].as_ref(),
             Part::Mark(_, i) => self.names.marks[i].as_ref(),
             Part::Input(i) => Some(&self.names.inputs[i.index()]),
+            Part::Bit(i, bit) => {
+                let id = self.program.global(&self.names.integers[i.index()])?;
+                return Some(self.plc.read(id) >> bit & 1 == 1);
+            }
             Part::Begins(_) => None,
         };
         Some(self.plc.read(self.program.global(name?)?) == 1)

@@ -38,6 +38,17 @@ pub fn model(seed: u64) -> Vec<Item> {
     items
 }
 
+/// A range with 0 in it, mostly a small one.
+fn range(rng: &mut Rng) -> (i64, i64) {
+    let (below, above) = match rng.below(40) {
+        0..=24 => (0, rng.between(1, 5)),
+        25..=34 => (rng.below(7), rng.between(1, 5)),
+        35..=38 => (rng.below(1_000), rng.between(100, 3_000)),
+        _ => (32_768, 32_767),
+    };
+    (-(below as i64), above as i64)
+}
+
 /// What an actuator is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Technology {
@@ -65,7 +76,7 @@ struct Region {
     actuator: Option<usize>,
     states: Vec<usize>,
     initial: usize,
-    /// The variables that may be written in it.
+    /// The variables that may be written in it; numbers from [`Model::variables`] on are integers.
     variables: Vec<usize>,
     /// The bistable actuators that may be driven in it.
     bistable: Vec<usize>,
@@ -98,6 +109,8 @@ struct Model {
     inputs: usize,
     variables: usize,
     events: usize,
+    /// The ranges of integers.
+    integers: Vec<(i64, i64)>,
     outputs: usize,
     actuators: Vec<Actuator>,
     regions: Vec<Region>,
@@ -132,12 +145,15 @@ impl Model {
             let short = technology == Technology::OnOff && rng.chance(60);
             actuators.push(Actuator { technology, outputs: [first, second], short });
         }
+        let many = if rng.chance(40) { rng.between(1, 3) } else { 0 };
+        let integers = (0..many).map(|_| range(&mut rng)).collect();
         let mut priorities: Vec<usize> = (0..400).collect();
         rng.shuffle(&mut priorities);
         Model {
             inputs,
             variables: rng.below(5),
             events: rng.below(3),
+            integers,
             outputs,
             actuators,
             regions: Vec::new(),
@@ -173,10 +189,16 @@ impl Model {
             "outputs",
             (0..self.outputs).map(|i| Item::line(format!("Out{i}{}", address(yes, 'Q', i)))),
         ));
-        if self.variables > 0 {
-            let variables: Vec<Item> = (0..self.variables)
+        if self.variables + self.integers.len() > 0 {
+            let mut variables: Vec<Item> = (0..self.variables)
                 .map(|i| Item::line(format!("Var{i} : BOOL{}", self.rng.pick(&["", " := true", " := false"]))))
                 .collect();
+            for (i, &(lowest, highest)) in self.integers.iter().enumerate() {
+                let distance = usize::try_from(highest - lowest).expect("the lowest comes first");
+                let initial = lowest + self.rng.below(distance + 1) as i64;
+                let initial = if self.rng.chance(50) { format!(" := {initial}") } else { String::new() };
+                variables.push(Item::line(format!("Int{i} : {lowest}..{highest}{initial}")));
+            }
             items.push(Item::block("variables", variables));
         }
         if self.events > 0 {
@@ -224,7 +246,9 @@ impl Model {
         let (Some(&first), true) = (regions.first(), self.rng.chance(50)) else { return String::new() };
         // More than one region may raise an event, but not write a variable.
         let alone = regions.iter().all(|&r| r == first);
-        let variable = if alone { self.rng.choose(&self.regions[first].variables.clone()) } else { None };
+        let mut variables = self.regions[first].variables.clone();
+        variables.retain(|&v| alone && v < self.variables);
+        let variable = self.rng.choose(&variables);
         let time = self.rng.between(1, 80);
         match variable {
             Some(v) => format!(" within {time}ms else set Var{v}"),

@@ -3,9 +3,10 @@
 
 use super::rng::Rng;
 use chartwright::ir::chart::{
-    Atom, ConstraintId, EventId, FilterMode, Guard, Machine, Mark, OutputId, Phase, StateId, VariableId,
+    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, StateId, VariableId,
 };
 use chartwright::ir::iec::VarId;
+use chartwright::ir::number::{Number, Range};
 use chartwright::ir::plc::Role;
 use chartwright::pipeline::{self, Dialect, Options};
 use chartwright::read::read;
@@ -79,8 +80,19 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             Atom::Variable(v) => chart.variable(v),
             Atom::Event(e) => chart.event(e),
             Atom::In(s) if machine.observes(s) => was(s),
+            Atom::Compare(c) => {
+                let compared = &machine.comparisons[c];
+                let (left, right) = (number(&compared.left, &chart), number(&compared.right, &chart));
+                compared.relation.decided(Range::of(left), Range::of(right)) == Some(true)
+            }
             Atom::In(_) | Atom::Done(_) | Atom::After(..) => unreachable!("constraints do not know of states"),
         };
+        for (id, integer) in machine.integers.iter() {
+            let value = chart.integer(id);
+            if !integer.range.holds(Range::of(value)) {
+                return wrong(format!("{} is {value}", integer.name));
+            }
+        }
         let mut assumed = true;
         for (i, assumption) in machine.safety.assumptions.iter().enumerate() {
             let seen = assumption.never.eval(&mut |a| value(a));
@@ -145,12 +157,25 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
     None
 }
 
+/// The value of an integer expression after a scan.
+fn number(number: &Number<IntegerId>, chart: &Chart) -> i64 {
+    match number {
+        Number::Const(n) => *n,
+        Number::Value(i) => chart.integer(*i),
+        Number::Sum(operands) => operands
+            .iter()
+            .map(|o| if o.negative { -self::number(&o.value, chart) } else { self::number(&o.value, chart) })
+            .sum(),
+    }
+}
+
 /// What a global variable of the program has to equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     State(StateId),
     Variable(VariableId),
     Event(EventId),
+    Integer(IntegerId),
     Command(OutputId),
     Output(OutputId),
     Alarm(ConstraintId),
@@ -159,8 +184,9 @@ enum Meaning {
 }
 
 impl Meaning {
-    fn of(self, chart: &Chart) -> bool {
-        match self {
+    fn of(self, chart: &Chart) -> i64 {
+        i64::from(match self {
+            Meaning::Integer(i) => return chart.integer(i),
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
             Meaning::Event(e) => chart.event(e),
@@ -169,7 +195,7 @@ impl Meaning {
             Meaning::Alarm(c) => chart.acted(c),
             Meaning::Broken(a) => chart.broken(a),
             Meaning::Mark(mark) => chart.mark(mark),
-        }
+        })
     }
 }
 
@@ -193,9 +219,11 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
         let meaning = match global.role {
             // What takes a long rung is computed in parts.
             _ if global.name.starts_with("Part") => None,
-            Role::Input | Role::Condition | Role::Filter | Role::History => None,
+            Role::Input | Role::Condition | Role::Interim | Role::Filter | Role::History => None,
             Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
-            Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span).map(Meaning::Variable),
+            Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span)
+                .map(Meaning::Variable)
+                .or_else(|| find(machine.integers.iter(), |i| Some(i.span) == span).map(Meaning::Integer)),
             Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
@@ -216,6 +244,7 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     let wanted = (machine.states.ids().map(Meaning::State))
         .chain(machine.variables.ids().map(Meaning::Variable))
         .chain(machine.events.ids().map(Meaning::Event))
+        .chain(machine.integers.ids().map(Meaning::Integer))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
         .chain(machine.safety.marks().map(Meaning::Mark));
@@ -244,12 +273,9 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
         }
         chart.scan(now);
         plc.scan(scan as i64 * i64::from(machine.cycle) * 1000);
-        let differ = watched.iter().filter(|(_, id, meaning)| (plc.read(*id) != 0) != meaning.of(&chart));
-        let differ: Vec<String> = differ
-            .map(|(name, _, meaning)| {
-                format!("{name} is {} in the chart", if meaning.of(&chart) { "TRUE" } else { "FALSE" })
-            })
-            .collect();
+        let differ = watched.iter().filter(|(_, id, meaning)| plc.read(*id) != meaning.of(&chart));
+        let differ: Vec<String> =
+            differ.map(|(name, _, meaning)| format!("{name} is {} in the chart", meaning.of(&chart))).collect();
         if !differ.is_empty() {
             return Some(format!("scan {scan}: {}, and not so in the program", differ.join(", ")));
         }

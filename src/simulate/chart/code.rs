@@ -8,6 +8,7 @@
 //! | outputs | 32 outputs | low half: this scan; high half: the scan before |
 //! | events | 32 events | low half: this scan; high half: raised for the next scan |
 //! | variables | 64 variables | |
+//! | comparisons | 64 comparisons of integers | |
 //! | states | 64 states | 1 while active |
 //!
 //! Now and before stand in one word so that an edge is one comparison. A conjunction of literals of one
@@ -32,6 +33,8 @@ pub struct Layout {
     pub events: usize,
     /// The first word of variables.
     pub variables: usize,
+    /// The first word of comparisons.
+    pub comparisons: usize,
     /// The first word of states.
     pub states: usize,
     /// How many words there are.
@@ -48,8 +51,10 @@ impl Layout {
         let outputs = machine.inputs.len().div_ceil(HALF);
         let events = outputs + machine.outputs.len().div_ceil(HALF);
         let variables = events + machine.events.len().div_ceil(HALF);
-        let states = variables + machine.variables.len().div_ceil(64);
-        Layout { outputs, events, variables, states, words: states + machine.states.len().div_ceil(64) }
+        let comparisons = variables + machine.variables.len().div_ceil(64);
+        let states = comparisons + machine.comparisons.len().div_ceil(64);
+        let words = states + machine.states.len().div_ceil(64);
+        Layout { outputs, events, variables, comparisons, states, words }
     }
 
     /// The word of a state and its bit there.
@@ -77,6 +82,7 @@ impl Layout {
             Atom::PrevOutput(o) => half(self.outputs, o.index(), HALF),
             Atom::Variable(v) => self.variable(v),
             Atom::Event(e) => self.event(e),
+            Atom::Compare(c) => self.comparison(c),
             Atom::In(s) => self.state(s),
             Atom::Done(_) | Atom::After(..) => unreachable!("`done` is spelt out, `after` is no bit"),
         }
@@ -92,6 +98,8 @@ pub struct Memory {
     pub scan: u64,
     /// For each state, the number of the scan that entered it last.
     pub entered: Vec<u64>,
+    /// The integers.
+    pub integers: Vec<i64>,
 }
 
 /// One instruction. `Test` and `Waited` put a bit on the stack, the others replace one or two.
@@ -356,14 +364,14 @@ mod tests {
     proptest! {
         #[test]
         fn code_means_what_the_guard_means(guard in guards(), words in prop::collection::vec(any::<u64>(), 6)) {
-            let layout = Layout { outputs: 2, events: 4, variables: 4, states: 5, words: 6 };
+            let layout = Layout { outputs: 2, events: 4, variables: 4, comparisons: 5, states: 5, words: 6 };
             let mut code = Code::new(layout, 10);
             let condition = code.add(&Machine::default(), &guard);
             let value = |atom: &Atom| {
                 let (word, bit) = layout.bit(*atom);
                 words[word] & bit != 0
             };
-            let memory = Memory { words: words.clone(), scan: 1, entered: Vec::new() };
+            let memory = Memory { words: words.clone(), scan: 1, entered: Vec::new(), integers: Vec::new() };
             prop_assert_eq!(code.holds(condition, &memory), guard.eval(&mut |a| value(a)));
         }
     }
@@ -372,7 +380,8 @@ mod tests {
     fn a_conjunction_over_one_word_is_one_instruction() {
         let input = |i| Expr::Atom(Atom::Input(InputId::from_index(i)));
         let before = |i| Expr::Atom(Atom::PrevInput(InputId::from_index(i)));
-        let mut code = Code::new(Layout { outputs: 1, events: 1, variables: 1, states: 1, words: 1 }, 10);
+        let mut code =
+            Code::new(Layout { outputs: 1, events: 1, variables: 1, comparisons: 1, states: 1, words: 1 }, 10);
         code.add(&Machine::default(), &Expr::all([input(0), before(0).not(), input(3), input(4).not()]));
         assert_eq!(code.ops.len(), 1);
     }

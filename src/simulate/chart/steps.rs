@@ -49,6 +49,7 @@ enum Enters {
 /// A state that does something when it is left.
 #[derive(Clone, Debug)]
 struct Exit {
+    state: StateId,
     word: u32,
     bit: u64,
     changes: Range<u32>,
@@ -60,6 +61,17 @@ struct Change {
     word: u32,
     clear: u64,
     set: u64,
+}
+
+/// Something that happens once.
+#[derive(Clone, Copy, Debug)]
+pub enum Deed {
+    /// A state is left.
+    Exit(StateId),
+    /// A transition fires.
+    Fire(TransitionId),
+    /// A state is entered.
+    Entry(StateId),
 }
 
 /// The tables of all transitions.
@@ -87,6 +99,8 @@ pub struct Steps {
     again: Range<u32>,
     ways: Ways,
     layout: Layout,
+    /// Whether there are integers.
+    counts: bool,
 }
 
 /// Which state is active in each region, and room for work that never has to grow.
@@ -96,6 +110,8 @@ pub struct Configuration {
     active: Vec<StateId>,
     /// The transitions that fired in this scan.
     fired: Vec<TransitionId>,
+    /// What happened in this scan, in order; only of a machine with integers.
+    happened: Vec<Deed>,
     /// The same as places in the table, with what they enter as far as it was looked up.
     firing: Vec<(u32, Range<u32>)>,
     looked: Vec<(RegionId, StateId)>,
@@ -111,10 +127,20 @@ impl Configuration {
         Configuration {
             active: machine.regions.values().map(|r| r.initial).collect(),
             fired: Vec::with_capacity(regions),
+            happened: Vec::with_capacity(if machine.integers.is_empty() {
+                0
+            } else {
+                regions + 2 * machine.states.len()
+            }),
             firing: Vec::with_capacity(regions),
             looked: Vec::with_capacity(regions),
             open: Vec::with_capacity(regions),
         }
+    }
+
+    /// What happened in this scan, in order; nothing of a machine without integers.
+    pub fn happened(&self) -> &[Deed] {
+        &self.happened
     }
 
     /// The transitions that fired in this scan, of each step those of outer regions first.
@@ -142,6 +168,7 @@ impl Steps {
             again: 0..0,
             ways: Ways::of(machine, code),
             layout,
+            counts: !machine.integers.is_empty(),
         };
         let outermost = |kind: ChartKind| {
             machine.charts.iter().filter(move |c| c.kind == kind).flat_map(|c| c.regions.iter().copied())
@@ -205,7 +232,7 @@ impl Steps {
                     let mut words = BTreeMap::new();
                     write(&machine.states[state].exit, layout, &mut words);
                     let (word, bit) = layout.state(state);
-                    Exit { word: word as u32, bit, changes: append(&mut self.changes, changes(words)) }
+                    Exit { state, word: word as u32, bit, changes: append(&mut self.changes, changes(words)) }
                 })
                 .collect();
             self.leavers.push(append(&mut self.exits, exits));
@@ -250,31 +277,38 @@ impl Steps {
 
     /// Enters the outermost regions.
     pub fn begin(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, looked, .. } = configuration;
+        let Configuration { active, happened, looked, .. } = configuration;
         // Charts see where observers begin.
         for outermost in [&self.observing, &self.controlling] {
             looked.clear();
             for &region in part(&self.regions, outermost) {
                 self.ways.begin(region, code, memory, looked);
             }
-            self.enter(looked, active, memory);
+            self.enter(looked, active, memory, happened);
         }
     }
 
     /// Enters what has been looked up.
-    fn enter(&self, looked: &[(RegionId, StateId)], active: &mut [StateId], memory: &mut Memory) {
+    fn enter(
+        &self,
+        looked: &[(RegionId, StateId)],
+        active: &mut [StateId],
+        memory: &mut Memory,
+        happened: &mut Vec<Deed>,
+    ) {
         for &(region, state) in looked {
             active[region.index()] = state;
             memory.entered[state.index()] = memory.scan;
             let (word, bit) = self.layout.state(state);
             memory.words[word] |= bit;
-            self.greet(state, memory);
+            self.greet(state, memory, happened);
         }
     }
 
     /// Each observer and then each other chart takes one step, effects on variables included.
     pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
         configuration.fired.clear();
+        configuration.happened.clear();
         self.step_of(&self.observing, code, memory, configuration);
         self.step_of(&self.controlling, code, memory, configuration);
     }
@@ -294,7 +328,7 @@ impl Steps {
 
     /// The charts with these outermost regions take one step.
     fn step_of(&self, outermost: &Range<u32>, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, firing, looked, open, .. } = &mut *configuration;
+        let Configuration { active, happened, firing, looked, open, .. } = &mut *configuration;
         firing.clear();
         looked.clear();
         open.extend_from_slice(part(&self.regions, outermost));
@@ -319,6 +353,9 @@ impl Steps {
                 for exit in part(&self.exits, &self.steps[*at as usize].exits) {
                     if memory.words[exit.word as usize] & exit.bit != 0 {
                         self.change(&exit.changes, memory);
+                        if self.counts {
+                            happened.push(Deed::Exit(exit.state));
+                        }
                     }
                 }
             }
@@ -328,26 +365,32 @@ impl Steps {
 
     /// Fires what has been found.
     fn fire(&self, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, fired, firing, looked, .. } = configuration;
+        let Configuration { active, fired, happened, firing, looked, .. } = configuration;
         for (at, of_looked) in firing.iter() {
             let step = &self.steps[*at as usize];
             self.change(&step.changes, memory);
+            if self.counts {
+                happened.push(Deed::Fire(step.id));
+            }
             match &step.enters {
                 Enters::Fixed(enters) => {
                     for &(region, state) in part(&self.enters, enters) {
                         active[region.index()] = state;
                         memory.entered[state.index()] = memory.scan;
-                        self.greet(state, memory);
+                        self.greet(state, memory, happened);
                     }
                 }
-                Enters::Looked(_) => self.enter(part(looked, of_looked), active, memory),
+                Enters::Looked(_) => self.enter(part(looked, of_looked), active, memory, happened),
             }
             fired.push(step.id);
         }
     }
 
     /// What the state does when it is entered.
-    fn greet(&self, state: StateId, memory: &mut Memory) {
+    fn greet(&self, state: StateId, memory: &mut Memory, happened: &mut Vec<Deed>) {
+        if self.counts {
+            happened.push(Deed::Entry(state));
+        }
         if let Some(entry) = self.entry.get(state.index()) {
             self.change(entry, memory);
         }

@@ -5,7 +5,7 @@
 //! before.
 
 use crate::ir::expr::Expr;
-use crate::ir::iec::{Atom, BlockId, Bool, Comparison, Condition, Kind, Number, Project, StepId, VarId};
+use crate::ir::iec::{Atom, BlockId, Bool, Condition, Kind, Number, Project, Relation, StepId, VarId};
 
 /// Where something of type BOOL stands.
 pub type Bit = u32;
@@ -49,7 +49,7 @@ enum Part {
     /// `bit` becomes the outcome of the tests from `entry` on.
     Bool { entry: u32, bit: Bit },
     /// `bit` becomes the outcome of a comparison.
-    Compare { comparison: Comparison, left: Value, right: Value, bit: Bit },
+    Compare { comparison: Relation, left: Value, right: Value, bit: Bit },
 }
 
 /// A compiled number.
@@ -65,6 +65,10 @@ pub enum Value {
     Sum(Box<Value>, Box<Value>),
     /// The difference.
     Difference(Box<Value>, Box<Value>),
+    /// The value between two bounds.
+    Limit(i64, Box<Value>, i64),
+    /// The first if the bit is FALSE, else the second.
+    Select(Bit, Box<Value>, Box<Value>),
 }
 
 /// A compiled condition.
@@ -110,12 +114,12 @@ impl Code {
                 Part::Compare { comparison, left, right, bit } => {
                     let (left, right) = (left.of(memory), right.of(memory));
                     let value = match comparison {
-                        Comparison::Equal => left == right,
-                        Comparison::Unequal => left != right,
-                        Comparison::Less => left < right,
-                        Comparison::LessOrEqual => left <= right,
-                        Comparison::Greater => left > right,
-                        Comparison::GreaterOrEqual => left >= right,
+                        Relation::Equal => left == right,
+                        Relation::Unequal => left != right,
+                        Relation::Less => left < right,
+                        Relation::LessOrEqual => left <= right,
+                        Relation::Greater => left > right,
+                        Relation::GreaterOrEqual => left >= right,
                     };
                     (*bit, value)
                 }
@@ -134,6 +138,8 @@ impl Value {
             Value::Negative(n) => n.of(memory).wrapping_neg(),
             Value::Sum(l, r) => l.of(memory).wrapping_add(r.of(memory)),
             Value::Difference(l, r) => l.of(memory).wrapping_sub(r.of(memory)),
+            Value::Limit(lowest, value, highest) => value.of(memory).min(*highest).max(*lowest),
+            Value::Select(by, no, yes) => if memory.bits[*by as usize] { yes } else { no }.of(memory),
         }
     }
 }
@@ -299,6 +305,10 @@ impl Compiler {
             Number::Negative(n) => Value::Negative(Box::new(self.number(n))),
             Number::Sum(l, r) => Value::Sum(Box::new(self.number(l)), Box::new(self.number(r))),
             Number::Difference(l, r) => Value::Difference(Box::new(self.number(l)), Box::new(self.number(r))),
+            Number::Limit { lowest, value, highest } => Value::Limit(*lowest, Box::new(self.number(value)), *highest),
+            Number::Select { by, no, yes } => {
+                Value::Select(self.variable_bit(*by), Box::new(self.number(no)), Box::new(self.number(yes)))
+            }
         }
     }
 }

@@ -4,9 +4,9 @@ use super::Plc;
 use crate::base::Id;
 use crate::ir::expr::Expr;
 use crate::ir::iec::{
-    Action, Association, Atom, Block, BlockId, BlockKind, Body, Bool, Call, Coil, CoilKind, Comparison, Condition,
-    Kind, Number, Program, Project, Qualifier, Scope, Sfc, Statement, Step, StepId, Target, Task, Time, Transition,
-    VarId, Variable,
+    Action, Association, Atom, Block, BlockId, BlockKind, Body, Bool, Call, Coil, CoilKind, Condition, Kind, Number,
+    Program, Project, Qualifier, Relation, Scope, Sfc, Statement, Step, StepId, Target, Task, Time, Transition, VarId,
+    Variable,
 };
 
 /// A project with the BOOL variables `a`, `b`, `c` and so on.
@@ -95,7 +95,7 @@ fn play_block(kind: BlockKind, preset: Option<Time>, inputs: &str) -> String {
     let id = block(&mut project, kind);
     let reset = matches!(kind, BlockKind::Sr | BlockKind::Rs).then(|| Condition::simple(is('b')));
     let preset = preset.map(|p| Number::Const(p * 1000));
-    let running = Atom::Compare(Comparison::Greater, Number::Elapsed(id), Number::Const(0));
+    let running = Atom::Compare(Relation::Greater, Number::Elapsed(id), Number::Const(0));
     run_body(
         &mut project,
         Body::Code(vec![
@@ -314,7 +314,7 @@ fn slower_tasks_run_in_multiples_of_the_tick() {
 fn conditions_of_all_forms_are_what_they_say() {
     let mut project = project(7);
     let less = Atom::Compare(
-        Comparison::Less,
+        Relation::Less,
         Number::Difference(Box::new(Number::Const(1)), Box::new(Number::Negative(Box::new(Number::Const(-2))))),
         Number::Const(0),
     );

@@ -223,9 +223,71 @@ impl Model {
         }
         self.rng.shuffle(&mut variables);
         let count = self.rng.between(1, variables.len().min(2));
-        let effects: Vec<String> =
-            variables[..count].iter().map(|v| format!("{} Var{v}", self.rng.pick(&["set", "reset"]))).collect();
+        let effects: Vec<String> = variables[..count].iter().map(|&v| self.deed(v)).collect();
         Some(effects.join(", "))
+    }
+
+    /// What becomes of a variable or integer.
+    fn deed(&mut self, variable: usize) -> String {
+        let Some(integer) = variable.checked_sub(self.variables) else {
+            return format!("{} Var{variable}", self.rng.pick(&["set", "reset"]));
+        };
+        let value = match self.rng.below(10) {
+            0..=4 if !self.is_wide(integer) => {
+                let (lowest, highest) = self.integers[integer];
+                let most = (highest - lowest).min(3) as usize;
+                format!("Int{integer} {} {}", self.rng.pick(&["+", "-"]), self.rng.between(1, most))
+            }
+            0..=6 => {
+                let (lowest, highest) = self.integers[integer];
+                (lowest + self.rng.below((highest - lowest + 1) as usize) as i64).to_string()
+            }
+            // Others may lie far from here.
+            _ => {
+                let other = self.rng.below(self.integers.len());
+                let (a, b) = (self.integers[integer], self.integers[other]);
+                if a.1 - a.0 < 20 && b.1 - b.0 < 20 { format!("Int{other}") } else { "0".into() }
+            }
+        };
+        format!("set Int{integer} := {value}")
+    }
+
+    /// Whether nothing can be added to the integer, because the sum might be too large for an INT.
+    fn is_wide(&self, integer: usize) -> bool {
+        let (lowest, highest) = self.integers[integer];
+        highest - lowest > 10_000
+    }
+
+    /// An integer expression.
+    fn sum(&mut self) -> String {
+        let integer = |model: &mut Model| model.rng.below(model.integers.len());
+        let (a, b, n) = (integer(self), integer(self), self.rng.below(2));
+        if self.is_wide(a) || self.is_wide(b) {
+            return format!("Int{a}");
+        }
+        let (a, b) = (format!("Int{a}"), format!("Int{b}"));
+        match self.rng.below(8) {
+            0..=2 => a,
+            3 => format!("{a} + {n}"),
+            4 => format!("-{a}"),
+            5 => format!("{a} - {b}"),
+            6 => format!("{n} - ({a} - {b})"),
+            _ => format!("{a} + {b} - {n} + -1"),
+        }
+    }
+
+    /// A comparison that its ranges leave open, mostly.
+    pub fn comparison(&mut self) -> String {
+        let integer = self.rng.below(self.integers.len());
+        let (lowest, highest) = self.integers[integer];
+        // Neither bound is passed, so each relation depends on the value.
+        let value = lowest + 1 + self.rng.below((highest - lowest) as usize) as i64;
+        let relation = *self.rng.pick(&["=", "<>", "<", "<=", ">", ">="]);
+        match (self.rng.below(10), relation) {
+            (0..=1, _) if highest - lowest < 5_000 => format!("{} {relation} {}", self.sum(), self.sum()),
+            (_, "<=" | ">") => format!("Int{integer} {relation} {}", value - 1),
+            _ => format!("Int{integer} {relation} {value}"),
+        }
     }
 
     /// What states drive, set and reset, what they do when they are entered and left, and what happens
@@ -241,7 +303,8 @@ impl Model {
                 let Some(output) = self.free_output(region) else { break };
                 lines.push(format!("drives Out{output}{}", self.condition(45)));
             }
-            let variables = self.regions[region].variables.clone();
+            let mut variables = self.regions[region].variables.clone();
+            variables.retain(|&v| v < self.variables);
             while self.rng.chance(25) {
                 let Some(variable) = self.rng.choose(&variables) else { break };
                 let word = *self.rng.pick(&["sets", "resets"]);
@@ -324,6 +387,7 @@ impl Model {
             50..=55 => format!("fall(In{input})"),
             56..=61 => format!("prev(Out{})", self.rng.below(self.outputs)),
             62..=66 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
+            67..=75 if !self.integers.is_empty() => self.comparison(),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             76..=85 => {
                 let observed = if self.rng.chance(40) { self.observed() } else { None };

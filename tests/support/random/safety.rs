@@ -148,6 +148,7 @@ impl Model {
                 return format!("{}in({state})", self.rng.pick(&["", "not "]));
             }
             19 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
+            _ if !self.integers.is_empty() && self.rng.chance(50) => self.comparison(),
             _ if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
             _ => format!("In{input}"),
         };

@@ -11,7 +11,9 @@ impl Model {
     pub fn tree(&mut self, size: usize) {
         let charts = if size > 3 && self.rng.chance(30) { self.rng.between(2, 3) } else { 1 };
         let shares = self.rng.split(size, charts);
-        let variables = self.deal(&self.free_variables(), charts);
+        let mut free = self.free_variables();
+        free.extend(self.variables..self.variables + self.integers.len());
+        let variables = self.deal(&free, charts);
         let bistable = (0..self.actuators.len()).filter(|&a| self.actuators[a].technology == Technology::Bistable);
         let bistable = self.deal(&bistable.collect::<Vec<_>>(), charts);
         for (chart, share) in shares.into_iter().enumerate() {

@@ -74,16 +74,10 @@ fn corrects_no_more(machine: &Machine, cut: &mut Cut, sat: &mut Sat) -> Result<u
 
 /// A condition of a constraint with those outputs.
 fn condition(cut: &mut Cut, guard: &Guard, outputs: &[Lit]) -> Lit {
-    let Cut { aig, before, inputs, chart, .. } = cut;
-    aig.expression(guard, &mut |_: &mut Aig, &atom| match atom {
-        Atom::Input(i) => inputs[i.index()],
-        Atom::PrevInput(i) => before.inputs[i.index()],
+    let Cut { aig, chart, .. } = cut;
+    aig.expression(guard, &mut |_: &mut Aig, atom| match atom {
         Atom::Output(o) => outputs[o.index()],
-        Atom::PrevOutput(o) => before.outputs[o.index()],
-        Atom::Variable(v) => chart.after.variables[v.index()],
-        Atom::Event(e) => before.raised[e.index()],
-        Atom::In(s) => chart.seen[s.index()],
-        Atom::Done(_) | Atom::After(..) => unreachable!("of states, constraints ask only whether they are active"),
+        read => chart.readings[read],
     })
 }
 

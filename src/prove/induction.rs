@@ -156,7 +156,7 @@ pub fn cut(pair: Pair<'_>, matched: &Match, first: bool) -> Cut {
     let state = both.run(matched, &mut |aig, program, state| {
         // Of these it is known what they are.
         for &(part, latch) in matched.parts.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
-            if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_)) {
+            if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_) | Part::Bit(..)) {
                 state[latch] = part.after(&chart);
             }
         }

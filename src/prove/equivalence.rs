@@ -168,7 +168,7 @@ fn attempt(
             let (step, later) = induction::step(pair, &matched, history, &lemmas, &mut sat);
             failures = later;
             if failures.is_empty() && matched.missing.is_empty() {
-                let guarded = match guard::examine(pair, &matched, &mut sat) {
+                let guarded = match guard::examine(pair, &matched, history, &lemmas, &mut sat) {
                     Ok(guarded) => guarded,
                     Err(why) => return Ok(Verdict::Unknown(Box::new(Doubt::Unsafe(why)))),
                 };

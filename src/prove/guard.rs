@@ -11,6 +11,7 @@
 //! ([`chart_filter::rounds`](super::chart_filter::rounds)), with which the program agrees.
 
 use super::induction::{self, Cut};
+use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::bits::sat::{Answer, Budget, Model, Sat};
@@ -18,10 +19,16 @@ use crate::ir::chart::{Atom, FilterMode, Guard, Machine};
 
 /// Proves both claims, for the first scan and for any later one; returns how many questions that were. If
 /// one fails, says which and when.
-pub fn examine(pair: Pair<'_>, matched: &Match, sat: &mut Sat) -> Result<usize, String> {
+pub fn examine(
+    pair: Pair<'_>,
+    matched: &Match,
+    history: usize,
+    lemmas: &Lemmas<'_>,
+    sat: &mut Sat,
+) -> Result<usize, String> {
     let mut count = 0;
-    for first in [true, false] {
-        let mut cut = induction::cut(pair, matched, first);
+    for later in [None, Some((history, lemmas))] {
+        let mut cut = induction::cut(pair, matched, later);
         count += violates_nothing(pair.machine, &mut cut, sat)?;
         count += corrects_no_more(pair.machine, &mut cut, sat)?;
     }
@@ -30,7 +37,7 @@ pub fn examine(pair: Pair<'_>, matched: &Match, sat: &mut Sat) -> Result<usize, 
 }
 
 fn violates_nothing(machine: &Machine, cut: &mut Cut, sat: &mut Sat) -> Result<usize, String> {
-    let assumed: Vec<Lit> = cut.chart.broken.iter().map(|&l| !l).collect();
+    let assumed: Vec<Lit> = cut.chart.broken.iter().map(|&l| !l).chain([cut.given]).collect();
     let outputs = cut.outputs.clone();
     for constraint in machine.safety.constraints.values() {
         let violated = condition(cut, &constraint.never, &outputs);
@@ -63,7 +70,7 @@ fn corrects_no_more(machine: &Machine, cut: &mut Cut, sat: &mut Sat) -> Result<u
     let differ: Vec<Lit> = commands.iter().zip(cut.outputs.clone()).map(|(&c, o)| cut.aig.xor(c, o)).collect();
     let differs = cut.aig.any(&differ);
     sat.forget();
-    let goals: Vec<Lit> = quiet.into_iter().chain([differs]).collect();
+    let goals: Vec<Lit> = quiet.into_iter().chain([cut.given, differs]).collect();
     let what = "the filter corrects commands that violate nothing";
     match sat.ask(&cut.aig, &goals, Budget::PROOF) {
         Answer::Never => Ok(1),

@@ -108,14 +108,7 @@ pub fn step(
     lemmas: &Lemmas<'_>,
     sat: &mut Sat,
 ) -> (Count, Vec<Failure>) {
-    let mut both = Both::anywhere(pair, matched);
-    both.given = lemmas.hold(&mut both.aig, &both.before);
-    for _ in 0..history {
-        let state = both.presume(matched);
-        both = both.next(state);
-        let hold = lemmas.hold(&mut both.aig, &both.before);
-        both.given = both.aig.and(both.given, hold);
-    }
+    let mut both = Both::later(pair, matched, history, lemmas);
     let mut compare = Compare::new(sat);
     let (_, failures) = both.examine(matched, &mut compare);
     compare.count.nodes = both.aig.len();
@@ -136,12 +129,17 @@ pub struct Cut {
     pub commands: Vec<Lit>,
     /// For each output, what the program makes of these commands.
     pub outputs: Vec<Lit>,
+    /// What is known of what is remembered.
+    pub given: Lit,
 }
 
-/// The first scan or any later one, in which the program reads whatever commands there may be instead of
-/// those that it has computed.
-pub fn cut(pair: Pair<'_>, matched: &Match, first: bool) -> Cut {
-    let mut both = if first { Both::power_up(pair) } else { Both::anywhere(pair, matched) };
+/// The first scan, or with what the proof of [`step`] rests on any later one, in which the program reads
+/// whatever commands there may be instead of those that it has computed.
+pub fn cut(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>) -> Cut {
+    let mut both = match later {
+        None => Both::power_up(pair),
+        Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
+    };
     let of = |wanted: fn(&Part) -> Option<usize>| {
         let mut latches: Vec<(usize, usize)> =
             matched.parts.iter().filter_map(|(part, latch)| Some((wanted(part)?, *latch))).collect();
@@ -166,7 +164,8 @@ pub fn cut(pair: Pair<'_>, matched: &Match, first: bool) -> Cut {
         }
     });
     let outputs = outputs.iter().map(|&(_, latch)| state[latch]).collect();
-    Cut { aig: both.aig, before: both.before, inputs: both.inputs, chart: both.chart, commands: free, outputs }
+    let Both { aig, before, inputs, chart, given, .. } = both;
+    Cut { aig, before, inputs, chart, commands: free, outputs, given }
 }
 
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
@@ -308,6 +307,19 @@ impl<'a> Both<'a> {
             });
         }
         Both::before(pair, aig, before, program, Lit::TRUE)
+    }
+
+    /// Any later scan, if the claims have held in as many scans before it as `history` says.
+    fn later(pair: Pair<'a>, matched: &Match, history: usize, lemmas: &Lemmas<'_>) -> Both<'a> {
+        let mut both = Both::anywhere(pair, matched);
+        both.given = lemmas.hold(&mut both.aig, &both.before);
+        for _ in 0..history {
+            let state = both.presume(matched);
+            both = both.next(state);
+            let hold = lemmas.hold(&mut both.aig, &both.before);
+            both.given = both.aig.and(both.given, hold);
+        }
+        both
     }
 
     /// A later scan from what is remembered.

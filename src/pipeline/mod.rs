@@ -151,8 +151,11 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
         Verdict::Proved(statistics) => (Judgement::Proved(statistics), diagnostics),
         Verdict::Refuted(trace) => {
             let scans = trace.scans.len();
-            let different: Vec<String> =
-                trace.differences().iter().take(3).map(|&i| trace.compared[i].what.clone()).collect();
+            let mut different: Vec<&str> =
+                trace.differences().iter().map(|&i| trace.compared[i].what.as_str()).collect();
+            // Of an integer mostly several bits differ.
+            different.dedup();
+            different.truncate(3);
             diagnostics.push(
                 Diagnostic::new(
                     Code::Different,

@@ -1,7 +1,9 @@
 //! How many scans the simulators run in a second: INDEXA through the scripted cycle of its test, and
 //! with inputs by chance.
 //!
-//! `cargo bench --bench simulate`.
+//! `cargo bench --bench simulate`. With `CHARTWRIGHT_RIVAL="COMMAND"` the emitted program is also handed to
+//! `COMMAND FILE.xml`, which compiles and times it by other means (matiec and a C compiler, say), so that
+//! both are measured in one run; what it prints follows.
 
 use chartwright::ir::chart::Machine;
 use chartwright::pipeline::{self, Dialect, Options};
@@ -15,6 +17,19 @@ const SCANS: usize = 10_000;
 
 fn main() {
     divan::main();
+    if let Ok(command) = std::env::var("CHARTWRIGHT_RIVAL") {
+        rival(&command);
+    }
+}
+
+/// Hands INDEXA's program to another runtime.
+fn rival(command: &str) {
+    let options = Options { dialect: Dialect::Beremiz, created: "1970-01-01T00:00:00".into(), prove: false };
+    let output = pipeline::build(&repository("models/indexa.chart"), &options).0.expect("INDEXA has no errors");
+    let path = std::env::temp_dir().join("chartwright-rival.xml");
+    std::fs::write(&path, output.xml).expect("a temporary file can be written");
+    let status = std::process::Command::new("sh").arg("-c").arg(format!("{command} {}", path.display())).status();
+    println!("rival: {command}: {}", status.expect("there is a shell"));
 }
 
 fn repository(path: &str) -> String {

@@ -24,20 +24,22 @@ fn fences(page: &str) -> Vec<(String, String, usize)> {
 
 #[test]
 fn complete_examples_of_the_language_reference_have_no_errors() {
-    let page = std::fs::read_to_string(repository("docs/language.md")).expect("the reference is there");
-    let mut complete = 0;
-    for (words, text, line) in fences(&page) {
-        match words.as_str() {
-            "chart" => {
-                let (machine, diagnostics) = pipeline::check(&text);
-                assert!(machine.is_some(), "docs/language.md:{line}: {diagnostics:#?}");
-                complete += 1;
+    for name in ["docs/language.md", "docs/functions.md"] {
+        let page = std::fs::read_to_string(repository(name)).expect("the reference is there");
+        let mut complete = 0;
+        for (words, text, line) in fences(&page) {
+            match words.as_str() {
+                "chart" => {
+                    let (machine, diagnostics) = pipeline::check(&text);
+                    assert!(machine.is_some(), "{name}:{line}: {diagnostics:#?}");
+                    complete += 1;
+                }
+                "chart partial" | "text" | "pest" | "" => {}
+                other => panic!("{name}:{line}: what is `{other}`?"),
             }
-            "chart partial" | "text" | "pest" | "" => {}
-            other => panic!("docs/language.md:{line}: what is `{other}`?"),
         }
+        assert!(complete > 0, "{name} has a complete example");
     }
-    assert!(complete > 0, "the reference has a complete example");
 }
 
 #[test]

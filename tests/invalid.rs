@@ -11,7 +11,10 @@ const SNAPSHOTS: &str = "snapshots/invalid";
 /// Codes whose model is not in the repository. `tests/cli.rs` makes the large one.
 const ELSEWHERE: &[(Code, &str)] = &[
     (Code::TooLarge, "it has 16 MiB"),
-    (Code::UnsafeFilter, "models that could show it are refused before; `tests/filters.rs` goes behind the checks"),
+    (
+        Code::UnsafeFilter,
+        "it takes an edited program; `tests/program_mutants.rs` makes some, and `tests/filters.rs` goes behind the checks",
+    ),
 ];
 
 /// The code that a file is named after.

@@ -14,6 +14,8 @@ mod licences;
 mod mutants;
 mod never_entered;
 mod observers;
+mod palletizer;
+mod productis;
 mod program_mutants;
 mod prove;
 mod random_models;

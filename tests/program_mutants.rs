@@ -85,7 +85,7 @@ fn programs_that_count_wrong_are_refuted() {
         let model = models::all().into_iter().find(|m| m.name == name).expect("it is a model");
         let output = build(&model.source, Dialect::Beremiz).expect("the models are right");
         let names = Correspondence::of(&output.machine, &output.project);
-        let (mut refuted, mut proved, mut unknown) = (0, Vec::new(), Vec::new());
+        let (mut refuted, mut weakened, mut proved, mut unknown) = (0, 0, Vec::new(), Vec::new());
         for (seed, Mutant { project, what }) in numbers::mutants(&read_back(&output)).into_iter().enumerate() {
             match equivalence(&output.machine, &names, &project) {
                 Verdict::Refuted(trace) => {
@@ -96,6 +96,11 @@ fn programs_that_count_wrong_are_refuted() {
                     run(&output.machine, &names, &project, &what, seed as u64);
                     proved.push(what);
                 }
+                // The filter has been weakened where the chart never asks for anything.
+                Verdict::Unknown(doubt) if matches!(*doubt, Doubt::Unsafe(_)) => {
+                    run(&output.machine, &names, &project, &what, seed as u64);
+                    weakened += 1;
+                }
                 // What only an unreachable value would show; the simulators do not see a difference either.
                 Verdict::Unknown(doubt) => {
                     run(&output.machine, &names, &project, &what, seed as u64);
@@ -103,7 +108,7 @@ fn programs_that_count_wrong_are_refuted() {
                 }
             }
         }
-        println!("{name}: {refuted} refuted, {} proved: {proved:#?}", proved.len());
+        println!("{name}: {refuted} refuted, {weakened} with a weaker filter, {} proved: {proved:#?}", proved.len());
         assert!(unknown.len() <= 4, "{name}: {unknown:#?}");
         assert!(refuted >= least, "{name}: {refuted} refuted, {proved:#?} proved");
     }

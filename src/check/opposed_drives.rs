@@ -1,13 +1,14 @@
-//! No actuator is driven both ways at once.
+//! No actuator is driven both ways at once, unless a filter that is there for it keeps its coils apart.
 //!
 //! Walks the hierarchy from the inside out. Only where something runs side by side (regions of one
 //! state, a state and what it contains) can two drives meet.
 
 use super::relation::{Relation, relation};
 use crate::base::{Code, Diagnostic, Diagnostics};
-use crate::ir::chart::{Atom, Drive, Guard, Machine, OutputId, StateId, Technology};
+use crate::ir::chart::{Atom, Drive, FilterMode, Guard, Machine, OutputId, Position, StateId, Technology, outputs_of};
 use crate::ir::expr::Expr;
 use crate::ir::sop::{Product, Sum};
+use std::collections::BTreeSet;
 
 /// A drive of a coil of a bistable actuator.
 #[derive(Clone, Copy)]
@@ -24,7 +25,7 @@ const PRODUCTS: usize = 256;
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     let mut owner: Vec<Option<usize>> = vec![None; machine.outputs.len()];
     for (id, actuator) in machine.actuators.iter() {
-        if actuator.technology == Technology::Bistable {
+        if actuator.technology == Technology::Bistable && !kept_apart(machine, &actuator.positions) {
             for output in actuator.positions.iter().filter_map(|p| p.output) {
                 owner[output.index()] = Some(id.index());
             }
@@ -53,6 +54,19 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         meet(machine, &all, &inner, found);
         all.extend(inner);
     }
+}
+
+/// Whether a constraint says that the coils are never TRUE together, whatever commands them.
+fn kept_apart(machine: &Machine, positions: &[Position]) -> bool {
+    if machine.safety.mode == Some(FilterMode::Supervisor) {
+        return false; // Its corrections are alarms, and not for normal operation.
+    }
+    let coils: BTreeSet<OutputId> = positions.iter().filter_map(|p| p.output).collect();
+    let mut products = machine.safety.constraints.values().flat_map(|c| &c.products);
+    products.any(|p| {
+        p.literals().iter().all(|l| !l.negated && matches!(l.atom, Atom::Output(_)))
+            && outputs_of(p).map(|(o, _)| o).collect::<BTreeSet<_>>() == coils
+    })
 }
 
 fn meet(machine: &Machine, left: &[Coil], right: &[Coil], found: &mut Diagnostics) {

@@ -1,6 +1,6 @@
 //! What is declared is used.
 
-use crate::base::{Code, Diagnostic, Diagnostics};
+use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::chart::{Atom, Deeds, Guard, Machine};
 use crate::ir::expr::Expr;
 
@@ -54,7 +54,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             );
         }
     }
-    for (id, variable) in machine.variables.iter() {
+    // What a function brings along stands nowhere in the text, and may be for people only.
+    let written_out = |name: &str, span: Span| span.range().len() == name.len();
+    for (id, variable) in machine.variables.iter().filter(|(_, v)| written_out(&v.name, v.span)) {
         let problem = match (read[id.index()], written[id.index()]) {
             (true, true) => continue,
             (false, _) => "never read",
@@ -65,7 +67,7 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
                 .label(variable.span, "declared here"),
         );
     }
-    for (id, event) in machine.events.iter() {
+    for (id, event) in machine.events.iter().filter(|(_, e)| written_out(&e.name, e.span)) {
         let problem = match (heard[id.index()], raised[id.index()]) {
             (true, true) => continue,
             (false, _) => "never read",

@@ -7,7 +7,9 @@ use super::expr::Expr;
 use super::number::{Comparison, Number};
 use crate::base::Span;
 
+mod functions;
 mod ways;
+pub use functions::{Function, Job, Sequence, SequenceDoing, SequenceStep};
 pub use ways::{Branch, Choice, Source, Target};
 
 /// A word with its place: a declared name or one part of a path.
@@ -61,6 +63,10 @@ pub struct Machine {
     pub events: Vec<Event>,
     /// All `actuator …` in order.
     pub actuators: Vec<Actuator>,
+    /// All `function …` in order.
+    pub functions: Vec<Function>,
+    /// All `sequence …` in order.
+    pub sequences: Vec<Sequence>,
     /// All `observer …` in order.
     pub observers: Vec<Observer>,
     /// All `chart …` in order.

@@ -73,6 +73,8 @@ impl Writer {
             })?;
         }
         m.actuators.iter().try_for_each(|a| self.actuator(a))?;
+        m.functions.iter().try_for_each(|f| self.function(f))?;
+        m.sequences.iter().try_for_each(|s| self.sequence(s))?;
         for observer in &m.observers {
             let head = format!("observer {}{}", observer.name.text, text(&observer.description));
             self.block(format_args!("{head}"), |w| {
@@ -94,6 +96,44 @@ impl Writer {
         m.scenarios.iter().try_for_each(|s| {
             let after = s.after.as_ref().map(|t| format!(" after{}", quoted(t))).unwrap_or_default();
             self.block(format_args!("scenario{}{after}", quoted(&s.name)), |w| w.steps(&s.steps))
+        })
+    }
+
+    fn function(&mut self, f: &Function) -> fmt::Result {
+        let automatic = if f.automatic.is_some() { " automatic" } else { "" };
+        self.block(format_args!("function {}{automatic}{}", f.name.text, text(&f.description)), |w| {
+            for (word, guards) in [
+                ("request", &f.request),
+                ("release", &f.release),
+                ("activate", &f.activate),
+                ("deactivate", &f.deactivate),
+                ("abort", &f.abort),
+            ] {
+                guards.iter().try_for_each(|g| w.line(format_args!("{word} when {}", condition(g))))?;
+            }
+            w.body(&f.body)
+        })
+    }
+
+    fn sequence(&mut self, s: &Sequence) -> fmt::Result {
+        self.block(format_args!("sequence {}{}", s.name.text, text(&s.description)), |w| {
+            s.abort.iter().try_for_each(|g| w.line(format_args!("abort when {}", condition(g))))?;
+            s.steps.iter().try_for_each(|step| {
+                let doing = match &step.doing {
+                    SequenceDoing::Do(jobs) => {
+                        let job = |j: &Job| {
+                            let until = j.until.as_ref().map(|g| format!(" until {}", condition(g)));
+                            format!("{}{}", j.function.text, until.unwrap_or_default())
+                        };
+                        format!("do {}", jobs.iter().map(job).collect::<Vec<_>>().join(", "))
+                    }
+                    SequenceDoing::Activate(names) => format!("activate {}", list(names)),
+                    SequenceDoing::Deactivate(names) => format!("deactivate {}", list(names)),
+                    SequenceDoing::Until(g) => format!("wait until {}", condition(g)),
+                    SequenceDoing::Wait(d) => format!("wait {}ms", d.milliseconds.unwrap_or(0)),
+                };
+                w.line(format_args!("{doing}{}", text(&step.description)))
+            })
         })
     }
 

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, numbers, scenarios, ways};
+use super::{Rule, functions, numbers, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -24,6 +24,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         variables: Vec::new(),
         events: Vec::new(),
         actuators: Vec::new(),
+        functions: Vec::new(),
+        sequences: Vec::new(),
         observers: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
@@ -40,6 +42,8 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::variables => entries(p, bad, &mut tree.variables, variable),
             Rule::events => entries(p, bad, &mut tree.events, event),
             Rule::actuator => tree.actuators.push(actuator(p, bad)),
+            Rule::function => tree.functions.push(functions::function(p, bad)),
+            Rule::sequence => tree.sequences.push(functions::sequence(p, bad)),
             Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
@@ -83,7 +87,7 @@ fn entries<'i, T>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<T>, build
 }
 
 /// The duration that stands in `p`.
-fn duration_in(p: Pair<'_, Rule>) -> Duration {
+pub fn duration_in(p: Pair<'_, Rule>) -> Duration {
     duration(p.into_inner().find(|p| p.as_rule() == Rule::duration).expect("a duration stands here"))
 }
 
@@ -292,49 +296,52 @@ impl Head {
 
 fn body<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Body {
     let mut body = Body { span: span(&p), ..Body::default() };
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::state => {
-                let head = Head::read(p, bad);
-                body.states.push(State {
-                    initial: head.modifier("initial"),
-                    is_final: head.modifier("final"),
-                    parallel: head.modifier("parallel"),
-                    name: head.name,
-                    position: head.position,
-                    controls: head.controls,
-                    description: head.description,
-                    body: head.body,
-                });
-            }
-            Rule::region => {
-                let head = Head::read(p, bad);
-                body.regions.push(Region {
-                    name: head.name,
-                    controls: head.controls,
-                    description: head.description,
-                    body: head.body.expect("a region has a body"),
-                });
-            }
-            Rule::choice => body.choices.push(ways::choice(p, bad)),
-            Rule::transition => body.transitions.push(transition(p)),
-            Rule::drive => {
-                let (output, condition) = named_condition(p);
-                body.drives.push(Drive { output, condition });
-            }
-            Rule::action => {
-                let value = p.as_str().starts_with("sets");
-                let (variable, condition) = named_condition(p);
-                body.actions.push(Action { variable, value, condition });
-            }
-            Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
-            Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
-            Rule::internal => body.internals.push(internal(p)),
-            Rule::bad_item | Rule::bad_outer_item => bad.push(p),
-            _ => {}
-        }
-    }
+    p.into_inner().for_each(|p| item(p, bad, &mut body));
     body
+}
+
+/// Puts one item to the others between its braces.
+pub fn item<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, body: &mut Body) {
+    match p.as_rule() {
+        Rule::state => {
+            let head = Head::read(p, bad);
+            body.states.push(State {
+                initial: head.modifier("initial"),
+                is_final: head.modifier("final"),
+                parallel: head.modifier("parallel"),
+                name: head.name,
+                position: head.position,
+                controls: head.controls,
+                description: head.description,
+                body: head.body,
+            });
+        }
+        Rule::region => {
+            let head = Head::read(p, bad);
+            body.regions.push(Region {
+                name: head.name,
+                controls: head.controls,
+                description: head.description,
+                body: head.body.expect("a region has a body"),
+            });
+        }
+        Rule::choice => body.choices.push(ways::choice(p, bad)),
+        Rule::transition => body.transitions.push(transition(p)),
+        Rule::drive => {
+            let (output, condition) = named_condition(p);
+            body.drives.push(Drive { output, condition });
+        }
+        Rule::action => {
+            let value = p.as_str().starts_with("sets");
+            let (variable, condition) = named_condition(p);
+            body.actions.push(Action { variable, value, condition });
+        }
+        Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
+        Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
+        Rule::internal => body.internals.push(internal(p)),
+        Rule::bad_item | Rule::bad_outer_item => bad.push(p),
+        _ => {}
+    }
 }
 
 /// The effect that the pair is, if it is one.
@@ -376,7 +383,7 @@ fn internal(p: Pair<'_, Rule>) -> Internal {
     Internal { priority, guard, effects, description, span: whole }
 }
 
-fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
+pub fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
     let mut named = Name { text: String::new(), span: span(&p) };
     let mut condition = None;
     for p in p.into_inner() {

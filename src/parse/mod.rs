@@ -7,6 +7,7 @@
 //! strictly, which yields a place and what was expected there; so one run reports several errors.
 
 mod build;
+mod functions;
 mod numbers;
 mod scan;
 mod scenarios;
@@ -92,6 +93,8 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_outer_item => Rule::lone_outer_item,
         Rule::bad_branch => Rule::lone_branch,
         Rule::bad_constraint => Rule::lone_constraint,
+        Rule::bad_function_item => Rule::lone_function_item,
+        Rule::bad_sequence_item => Rule::lone_sequence_item,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,
         other => unreachable!("{other:?} is no recovery rule"),

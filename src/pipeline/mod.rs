@@ -168,7 +168,7 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
         Verdict::Unknown(doubt) if matches!(*doubt, Doubt::Unsafe(_)) => {
             diagnostics.push(
                 Diagnostic::new(Code::UnsafeFilter, doubt.to_string())
-                    .help("the program is what the chart says; it is the constraints that do not hold"),
+                    .help("the program does what the chart says, and its filter is weaker than the constraints"),
             );
             (Judgement::Undecided, diagnostics)
         }

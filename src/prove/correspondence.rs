@@ -51,15 +51,24 @@ impl Correspondence {
     /// no name for an input, output, variable or state, their own names stand.
     pub fn of(machine: &Machine, project: &Project) -> Correspondence {
         let mut names: BTreeMap<(u8, Span), &str> = BTreeMap::new();
+        // One place of the text may declare several things, as a function does.
+        let mut by_name: BTreeMap<(u8, Span, &str), &str> = BTreeMap::new();
         for global in project.globals.values() {
             if let Some(span) = global.origin.span {
                 names.entry((rank(global.role), span)).or_insert(&global.name);
+                if let Some((_, own)) = global.origin.what.split_once(' ') {
+                    by_name.entry((rank(global.role), span, own)).or_insert(&global.name);
+                }
             }
         }
         let find = |role: Role, span: Span| names.get(&(rank(role), span)).map(|n| n.to_string());
-        let or_own = |role: Role, span: Span, own: &str| find(role, span).unwrap_or_else(|| own.to_owned());
+        let or_own = |role: Role, span: Span, own: &str| {
+            by_name.get(&(rank(role), span, own)).map_or(own, |name| name).to_owned()
+        };
 
-        let by_span: BTreeMap<Span, StateId> = machine.states.iter().map(|(id, s)| (s.span, id)).collect();
+        let waits = |id: StateId, ms: u32| format!("after({}, {ms}ms)", machine.state_path(id));
+        let mut by_span: BTreeMap<Span, Vec<StateId>> = BTreeMap::new();
+        machine.states.iter().for_each(|(id, s)| by_span.entry(s.span).or_default().push(id));
         let mut timers = BTreeMap::new();
         let mut step_of: BTreeMap<&str, (String, String)> = BTreeMap::new();
         for program in &project.programs {
@@ -74,10 +83,12 @@ impl Correspondence {
                 }
                 Body::Ladder(ladder) => {
                     for rung in &ladder.rungs {
-                        let state = rung.origin.span.and_then(|span| by_span.get(&span));
-                        if let (Some(timer), Some(&state)) = (&rung.timer, state) {
-                            let place = (program.name.clone(), timer.instance.clone());
-                            timers.insert((state, timer.preset), place);
+                        let (Some(timer), Some(span)) = (&rung.timer, rung.origin.span) else { continue };
+                        for &state in by_span.get(&span).into_iter().flatten() {
+                            if waits(state, timer.preset) == rung.origin.what {
+                                let place = (program.name.clone(), timer.instance.clone());
+                                timers.insert((state, timer.preset), place);
+                            }
                         }
                     }
                 }
@@ -91,7 +102,11 @@ impl Correspondence {
             outputs: machine.outputs.values().map(|o| or_own(Role::Output, o.span, &o.name)).collect(),
             variables: machine.variables.values().map(|v| or_own(Role::Variable, v.span, &v.name)).collect(),
             events: machine.events.values().map(|e| or_own(Role::Event, e.span, &e.name)).collect(),
-            raised: machine.events.values().map(|e| find(Role::Condition, e.span)).collect(),
+            raised: machine
+                .events
+                .values()
+                .map(|e| by_name.get(&(rank(Role::Condition), e.span, e.name.as_str())).map(|n| n.to_string()))
+                .collect(),
             integers: machine.integers.values().map(|i| or_own(Role::Variable, i.span, &i.name)).collect(),
             steps: flags.iter().map(|flag| step_of.get(flag.as_str()).cloned()).collect(),
             flags,

@@ -6,6 +6,7 @@
 //!
 //! The steps run in this order, each in a file of its own:
 //!
+//! 0. [`functions`]: functions and sequences become charts
 //! 1. [`signals`]: inputs, outputs, variables, events; [`integers`] holds what is said of integers
 //! 2. [`actuators`]: positions, outputs and sensors by technology
 //! 3. [`states`]: observers, charts, regions and states, movements among them
@@ -19,6 +20,7 @@
 mod actuators;
 mod behaviour;
 mod expressions;
+mod functions;
 mod integers;
 mod names;
 mod plant;
@@ -50,6 +52,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     };
     resolver.legal(&tree.name);
     resolver.cycle(tree);
+    let tree = &functions::expand(&mut resolver, tree);
     signals::resolve(&mut resolver, tree);
     actuators::resolve(&mut resolver, tree);
     let (bodies, mut choices) = states::resolve(&mut resolver, tree);

@@ -44,6 +44,14 @@ fn indexa_read_and_proved(bencher: Bencher) {
     bencher.bench(|| prove(&output));
 }
 
+/// 500 outputs and 2,000 constraints, from the text to the proof.
+#[divan::bench(sample_count = 2)]
+fn constraints_analysed_and_proved(bencher: Bencher) {
+    let source = generator::constraints(500);
+    let options = Options { dialect: Dialect::Beremiz, created: "1970-01-01T00:00:00".into(), prove: true };
+    bencher.bench(|| assert!(pipeline::build(&source, &options).0.is_some(), "a build is proved"));
+}
+
 #[divan::bench(args = SIZES, sample_count = 2)]
 fn generated_read_and_proved(bencher: Bencher, states: usize) {
     let output = built(&generator::model(states));

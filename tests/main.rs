@@ -6,6 +6,7 @@ mod derive;
 mod docs;
 mod emit;
 mod explain;
+mod filters;
 mod indexa_by_chance;
 mod invalid;
 mod layers;

@@ -30,9 +30,9 @@ fn stages(model: &Model) -> [String; 7] {
     let (tree, diagnostics) = parse::parse(&model.source);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
     let tree = tree.expect("a model without errors has a tree");
-    let (machine, diagnostics) = resolve::resolve(&tree);
+    let (mut machine, diagnostics) = resolve::resolve(&tree);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let diagnostics = check::check(&machine);
+    let diagnostics = check::check(&mut machine);
     // What is known of some models, and meant so.
     let known: &[&str] = if model.name == "palletizer" { &["W502", "W503"] } else { &[] };
     assert!(diagnostics.iter().all(|d| known.contains(&d.code.number())), "{}: {diagnostics:?}", model.name);

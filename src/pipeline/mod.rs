@@ -6,7 +6,7 @@ use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::ir::scenario::{Condition, Doing};
-use crate::prove::{self, Verdict};
+use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
 use crate::{check, derive, lower, parse, read, resolve};
 
@@ -18,10 +18,10 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
     let Some(mut tree) = tree else { return (None, diagnostics) };
     diagnostics.append(derive::expand(&mut tree));
-    let (machine, found) = resolve::resolve(&tree);
+    let (mut machine, found) = resolve::resolve(&tree);
     diagnostics.append(found);
     if !diagnostics.has_errors() {
-        diagnostics.append(check::check(&machine));
+        diagnostics.append(check::check(&mut machine));
     }
     diagnostics.sort();
     let machine = (!diagnostics.has_errors()).then_some(machine);
@@ -34,14 +34,14 @@ pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
     let Some(mut tree) = tree else { return (None, diagnostics) };
     diagnostics.append(derive::expand(&mut tree));
-    let (machine, mut found) = resolve::resolve(&tree);
+    let (mut machine, mut found) = resolve::resolve(&tree);
     found.append(std::mem::take(&mut diagnostics));
     let harmless = [Code::NobodyYields, Code::CannotYield];
     let whole = found.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
     let resolved = !found.has_errors();
     diagnostics.append(found);
     if resolved {
-        diagnostics.append(check::check(&machine));
+        diagnostics.append(check::check(&mut machine));
     }
     diagnostics.sort();
     (whole.then(|| Analysis::of(&machine)), diagnostics)
@@ -178,6 +178,13 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
                 .help("the table shows the run that leads there, chart beside program"),
             );
             (Judgement::Refuted(trace.to_string()), diagnostics)
+        }
+        Verdict::Unknown(doubt) if matches!(*doubt, Doubt::Unsafe(_)) => {
+            diagnostics.push(
+                Diagnostic::new(Code::UnsafeFilter, doubt.to_string())
+                    .help("the program does what the chart says, and its filter is weaker than the constraints"),
+            );
+            (Judgement::Undecided, diagnostics)
         }
         Verdict::Unknown(doubt) => {
             diagnostics.push(

@@ -54,11 +54,12 @@ impl Model {
             let readings = self.readings(" and ");
             items.push(Item::line(format!("assume Ass{number}: never {readings}")));
         }
-        let reset = format!(" reset by In{}", self.rng.below(self.inputs));
+        let order = if self.rng.chance(30) { " relief in-order" } else { "" };
+        let reset = format!("{order} reset by In{}", self.rng.below(self.inputs));
         let head = match self.rng.below(10) {
-            0..=3 => "safety supervisor".to_owned(),
+            0..=3 => format!("safety supervisor{order}"),
             4..=5 => format!("safety supervisor{reset}"),
-            6 => "safety controller".to_owned(),
+            6 => format!("safety controller{order}"),
             _ => format!("safety blocking{reset}"),
         };
         Some(Item::block(head, items))

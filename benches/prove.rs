@@ -2,6 +2,7 @@
 //!
 //! `cargo bench --bench prove`.
 
+#[allow(dead_code)] // Each benchmark needs some of it.
 mod generator;
 
 use chartwright::pipeline::{self, Dialect, Options, Output};

@@ -7,7 +7,7 @@
 //! | stage | from | to |
 //! | --- | --- | --- |
 //! | [`parse`] | text | syntax tree |
-//! | [`derive`] | syntax tree | syntax tree with derived constraints |
+//! | [`mod@derive`] | syntax tree | syntax tree with derived constraints |
 //! | [`resolve`] | syntax tree | machine |
 //! | [`check`] | machine | diagnostics |
 //! | [`lower`] | machine | PLC project |

@@ -3,7 +3,6 @@
 //! `cargo bench --bench compile`. Cost per state has to stay the same from the smallest to the
 //! largest.
 
-#[allow(dead_code)] // Each benchmark needs some of it.
 mod generator;
 
 use chartwright::pipeline::{self, Dialect, Options};

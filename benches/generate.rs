@@ -1,6 +1,5 @@
 //! Prints a generated model: `cargo bench --bench generate -- 10000 > line.chart`.
 
-#[allow(dead_code)] // Each benchmark needs some of it.
 mod generator;
 
 fn main() {

@@ -63,7 +63,7 @@ fn fault(set: &Set, seed: u64) -> Option<String> {
 
 /// Where the program that the machine becomes does not do what the algorithm says.
 fn run(set: &Set, machine: &Machine, seed: u64) -> Option<String> {
-    let dialect = if seed % 2 == 0 { Dialect::Beremiz } else { Dialect::Codesys };
+    let dialect = if seed.is_multiple_of(2) { Dialect::Beremiz } else { Dialect::Codesys };
     let xml = emit::plcopen(&lower::lower(machine), dialect, &emit::Header::default());
     let program = read::read(&xml).0.expect("what is written can be read");
     let mut plc = Plc::new(&program);

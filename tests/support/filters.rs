@@ -231,9 +231,7 @@ impl Set {
             for p in self.combined().filter(|p| self.holds(p, case, &outputs)) {
                 self.relieve(p, &mut relieved);
             }
-            let clash = |(fs, fc): (&[bool; 2], &[bool; 2])| {
-                fs[0] && fs[1] || fc[0] && fc[1] || fc[0] && fs[1] || fc[1] && fs[0]
-            };
+            let clash = |(fs, fc): (&[bool; 2], &[bool; 2])| (fs[0] || fc[0]) && (fs[1] || fc[1]);
             if forced.iter().zip(&relieved).any(clash) {
                 return true;
             }

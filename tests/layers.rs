@@ -23,7 +23,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("simulate", &["base", "ir"]),
     ("prove", &["base", "bits", "ir"]),
     ("stats", &["base", "ir"]),
-    ("verify", &["base", "bits", "ir"]),
+    // What is verified is the scan that programs are proved equal to.
+    ("verify", &["base", "bits", "ir", "prove"]),
     (
         "pipeline",
         &[
@@ -39,9 +40,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "read",
             "prove",
             "simulate",
+            "verify",
         ],
     ),
-    ("cli", &["base", "constraints", "derive", "ir", "parse", "pipeline", "simulate", "stats"]),
+    ("cli", &["base", "constraints", "derive", "ir", "parse", "pipeline", "simulate", "stats", "verify"]),
 ];
 
 #[test]

@@ -32,3 +32,4 @@ mod support;
 mod text;
 mod verify_engines;
 mod verify_export;
+mod verify_models;

@@ -16,6 +16,7 @@ use std::path::PathBuf;
 Examples:
   chartwright check door.chart     say what is wrong with a model
   chartwright build door.chart     write door.xml
+  chartwright verify door.chart    say what is true of all its runs
   chartwright test door.chart      run the scenarios that it holds
   chartwright simulate door.chart  try it out
   chartwright explain E101         explain an error
@@ -37,6 +38,8 @@ pub enum Command {
     Check(Check),
     Build(Build),
     Prove(Prove),
+    Verify(Verify),
+    Export(Export),
     Test(Test),
     Simulate(Simulate),
     Constraints(Constraints),
@@ -345,6 +348,136 @@ Exit codes:
 pub struct Explain {
     /// The code, such as E101; capitals or not.
     pub code: Option<String>,
+}
+
+/// Says what is true of all runs of a machine.
+///
+/// Reads FILE and asks, for all inputs that its assumptions allow and everything that its plant can do
+/// at any speed: the properties that it declares; whether its outputs ever violate a constraint;
+/// whether some transition can always fire sooner or later. These are demands. For people to judge it
+/// also says which states are never active, which transitions never fire, which ones are enabled
+/// together so that only their order decides, and where the filter has to act.
+///
+/// A violated demand is shown as a run from power-up, as short as can be.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright verify door.chart
+  chartwright verify door.chart --program any           the filter alone, behind any program
+  chartwright verify door.chart --open                  without the plant: all inputs are free
+  chartwright verify door.chart --scenario found.chart  write the first counterexample as a scenario
+
+Exit codes:
+  0  all demands hold
+  1  a demand is violated; a property or constraint stays open; the model has errors, or a file cannot be
+     read or written
+  2  the command line is wrong")]
+pub struct Verify {
+    /// The model.
+    pub file: PathBuf,
+
+    /// What runs in front of the filter.
+    #[arg(long, value_enum, default_value_t = VerifyProgram::Chart)]
+    pub program: VerifyProgram,
+
+    /// Leaves the plant out: all inputs are free, under the assumptions only.
+    #[arg(long)]
+    pub open: bool,
+
+    /// Which engine answers.
+    #[arg(long, value_enum, default_value_t = VerifyEngine::Auto)]
+    pub engine: VerifyEngine,
+
+    /// After how many seconds to end.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    pub time: u64,
+
+    /// How much memory sets of states may take, in MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub memory: u32,
+
+    /// How many scans a bounded search looks ahead.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub scans: u32,
+
+    /// Where to write the first counterexample as a value change dump.
+    #[arg(long, value_name = "VCD")]
+    pub vcd: Option<PathBuf>,
+
+    /// Where to write the first counterexample as a scenario, to be put into the model.
+    #[arg(long, value_name = "OUT")]
+    pub scenario: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// What runs in front of the filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VerifyProgram {
+    /// The charts of the model.
+    Chart,
+    /// Any: each scan any command.
+    Any,
+}
+
+/// An engine that verifies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VerifyEngine {
+    /// Each where it is best.
+    Auto,
+    /// The exact set of reachable states.
+    Exact,
+    /// The first scans, one by one; proves nothing.
+    Bounded,
+    /// Property directed reachability.
+    Proof,
+}
+
+/// Writes a machine as a transition system for other model checkers.
+///
+/// Reads FILE and writes what `verify` verifies, with the names of the model. AIGER and BTOR2 take what
+/// never is; SMV also what is always possible.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright export door.chart --format aiger      writes door.aag
+  chartwright export door.chart --format smv -o -
+
+Exit codes:
+  0  written
+  1  the model has errors, or a file cannot be read or written
+  2  the command line is wrong")]
+pub struct Export {
+    /// The model.
+    pub file: PathBuf,
+
+    /// In which form.
+    #[arg(long = "format", value_enum)]
+    pub form: SystemForm,
+
+    /// What runs in front of the filter.
+    #[arg(long, value_enum, default_value_t = VerifyProgram::Chart)]
+    pub program: VerifyProgram,
+
+    /// Leaves the plant out.
+    #[arg(long)]
+    pub open: bool,
+
+    /// Where to write; `-` is standard output [default: FILE with the extension of the form].
+    #[arg(short, long, value_name = "OUT")]
+    pub out: Option<PathBuf>,
+}
+
+/// A form of transition systems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SystemForm {
+    /// AIGER 1.9, as text.
+    Aiger,
+    /// BTOR2.
+    Btor2,
+    /// SMV, for NuSMV and nuXmv.
+    Smv,
 }
 
 /// How a command reports.

@@ -4,6 +4,7 @@ mod args;
 mod build;
 mod constraints;
 mod explain;
+mod export;
 mod files;
 mod junit;
 mod prove;
@@ -13,6 +14,7 @@ mod simulate;
 mod stats;
 mod test;
 mod time;
+mod verify;
 
 use crate::pipeline;
 use args::{Cli, Command, Format};
@@ -68,6 +70,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Check(args) => check(&args),
             Command::Build(args) => build::run(&args),
             Command::Prove(args) => prove::run(&args),
+            Command::Verify(args) => verify::run(&args),
+            Command::Export(args) => export::run(&args),
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
             Command::Constraints(args) => constraints::run(&args),

@@ -5,6 +5,7 @@
 
 use super::expr::Expr;
 use super::number::{Comparison, Number};
+pub use super::property::{Property, PropertyKind};
 use crate::base::Span;
 
 mod functions;
@@ -75,6 +76,8 @@ pub struct Machine {
     pub charts: Vec<Chart>,
     /// All `safety …` in order.
     pub safety: Vec<Safety>,
+    /// What stands in all `properties { … }`, in order.
+    pub properties: Vec<Property>,
     /// All `plant { … }` in order.
     pub plants: Vec<Plant>,
     /// All `scenario …` in order.

@@ -51,7 +51,7 @@
 
 use super::expr::Expr;
 use super::number::Comparison;
-use super::scenario::{Plant, Scenario};
+use super::scenario::{Plant, Property, Scenario};
 use crate::base::{Arena, Id, Span};
 
 mod safety;
@@ -118,6 +118,8 @@ pub struct Machine {
     pub transitions: Arena<Transition>,
     /// What must never happen.
     pub safety: Safety,
+    /// What is said of all its runs, in order of declaration.
+    pub properties: Vec<Property>,
     /// How the machine's parts react.
     pub plant: Plant,
     /// Tests of the machine, in order of declaration.

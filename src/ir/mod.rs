@@ -21,6 +21,7 @@ pub mod ladder;
 pub mod number;
 pub mod outline;
 pub mod plc;
+pub mod property;
 pub mod relief;
 pub mod scenario;
 pub mod sfc;

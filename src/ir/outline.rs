@@ -79,6 +79,9 @@ impl Writer<'_> {
             let kind = if c.products.iter().any(|p| outputs_of(p).count() > 1) { "combined" } else { "simple" };
             writeln!(self.out, "{kind} {}: {} = 0{yields}", c.name, self.products(&c.products))?;
         }
+        for p in &m.properties {
+            writeln!(self.out, "property {}: {} {}", p.name, p.kind.words(), self.condition(&p.condition))?;
+        }
         self.plant()?;
         for s in &m.scenarios {
             let after = s.after.map(|a| format!(" after {:?}", m.scenarios[a].name)).unwrap_or_default();

@@ -24,6 +24,8 @@ use super::chart::{ActuatorId, Atom, ConstraintId, InputId, Machine, Mark};
 use super::expr::Expr;
 use crate::base::{Arena, Id, Span};
 
+pub use super::ast::PropertyKind;
+
 /// Names a hidden bit.
 pub type BitId = Id<Bit>;
 
@@ -137,6 +139,21 @@ pub enum Seen {
     Mark(Mark),
     /// Whether the assumption of that index was broken in this scan.
     Broken(usize),
+}
+
+/// Something that is said of all runs of the machine, in its plant.
+#[derive(Clone, Debug)]
+pub struct Property {
+    /// Its name, unique among properties.
+    pub name: String,
+    /// In which runs and how often.
+    pub kind: PropertyKind,
+    /// What, at the end of a scan.
+    pub condition: Condition,
+    /// Why, in words.
+    pub text: String,
+    /// Where its name stands.
+    pub span: Span,
 }
 
 /// A test of the machine.

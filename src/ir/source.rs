@@ -92,6 +92,14 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&chart.body))?;
         }
         m.safety.iter().try_for_each(|s| self.safety(s))?;
+        if !m.properties.is_empty() {
+            self.block(format_args!("properties"), |w| {
+                m.properties.iter().try_for_each(|p| {
+                    let (name, words, text) = (&p.name.text, p.kind.words(), text(&p.text));
+                    w.line(format_args!("{name}: {words} {}{text}", condition(&p.condition)))
+                })
+            })?;
+        }
         m.plants.iter().try_for_each(|p| self.plant(p))?;
         m.scenarios.iter().try_for_each(|s| {
             let after = s.after.as_ref().map(|t| format!(" after{}", quoted(t))).unwrap_or_default();

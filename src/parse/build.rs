@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, derive, functions, numbers, scenarios, ways};
+use super::{Rule, derive, functions, numbers, properties, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -29,6 +29,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         observers: Vec::new(),
         charts: Vec::new(),
         safety: Vec::new(),
+        properties: Vec::new(),
         plants: Vec::new(),
         scenarios: Vec::new(),
     };
@@ -47,6 +48,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
+            Rule::properties => properties::properties(p, bad, &mut tree.properties),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
             Rule::scenario => tree.scenarios.push(scenarios::scenario(p, bad)),
             Rule::bad_part => bad.push(p),

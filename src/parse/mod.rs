@@ -10,6 +10,7 @@ mod build;
 mod derive;
 mod functions;
 mod numbers;
+mod properties;
 mod scan;
 mod scenarios;
 mod syntax_error;
@@ -96,6 +97,7 @@ fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
         Rule::bad_constraint => Rule::lone_constraint,
         Rule::bad_function_item => Rule::lone_function_item,
         Rule::bad_sequence_item => Rule::lone_sequence_item,
+        Rule::bad_property => Rule::lone_property,
         Rule::bad_plant_item => Rule::lone_plant_item,
         Rule::bad_step => Rule::lone_step,
         other => unreachable!("{other:?} is no recovery rule"),

@@ -1,5 +1,7 @@
 //! The one place that knows the order of the stages.
 
+pub mod verify;
+
 use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity};
 use crate::constraints::Analysis;
 use crate::emit::{self, Header};

@@ -14,14 +14,13 @@
 //! a late scan included.
 
 use super::chart_filter;
-use super::parts::WIDTH;
+use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Inside, IntegerId, Machine, Phase, RegionId, StateId, StateKind, TransitionId,
-    VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
 };
-use crate::ir::number::{Comparison, Number, Range, Relation};
+use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
 
 /// What a chart remembers from scan to scan.
@@ -69,6 +68,8 @@ pub struct ChartScan {
     pub events: Vec<Lit>,
     /// For each transition, whether it fires.
     pub fires: Vec<Lit>,
+    /// For each transition, whether it may fire: source and guard let it, and no outer one takes it away.
+    pub enabled: Vec<Lit>,
     /// For each output, whether an active state drives it.
     pub commands: Vec<Lit>,
     /// For each constraint, whether it had to act on the commands.
@@ -135,7 +136,7 @@ impl<'m> ChartStep<'m> {
             past: vec![Lit::FALSE; self.timers.len()],
             marks: vec![Lit::FALSE; m.safety.marks().count()],
             last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
-            integers: initial(m),
+            integers: numbers::initial(m),
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
@@ -163,7 +164,8 @@ impl<'m> ChartStep<'m> {
 
     /// Charts of one kind take a step, effects on variables included.
     fn step(&self, aig: &mut Aig, given: Given<'_>, now: &mut Now, kind: ChartKind, phase: Phase) {
-        let fires = self.fires(aig, given, now, kind, phase);
+        let (fires, enabled) = self.fires(aig, given, now, kind, phase);
+        now.enabled.iter_mut().zip(&enabled).for_each(|(all, &one)| *all = aig.or(*all, one));
         self.move_on(aig, given, now, &fires, None);
     }
 
@@ -181,12 +183,13 @@ impl<'m> ChartStep<'m> {
         }
     }
 
-    /// Which transitions of charts of that kind fire.
-    fn fires(&self, aig: &mut Aig, given: Given<'_>, now: &Now, kind: ChartKind, phase: Phase) -> Vec<Lit> {
+    /// Which transitions of charts of that kind fire, and which of them may.
+    fn fires(&self, aig: &mut Aig, given: Given<'_>, now: &Now, kind: ChartKind, phase: Phase) -> (Vec<Lit>, Vec<Lit>) {
         let m = self.machine;
         let reading = given.with(now);
         let scoped = if phase == Phase::End { &self.ending } else { &self.scoped };
         let mut fires = vec![Lit::FALSE; m.transitions.len()];
+        let mut may = fires.clone();
         // For each state, whether it is active and a transition further out takes it away or a
         // transition of its own region leaves it: either way nothing inside it moves.
         let mut moved = vec![Lit::FALSE; m.states.len()];
@@ -205,6 +208,7 @@ impl<'m> ChartStep<'m> {
                 let enabled = aig.and(now.active[transition.source.index()], guard);
                 let first = aig.and(enabled, !*tried);
                 fires[t.index()] = aig.and(first, !barred);
+                may[t.index()] = aig.and(enabled, !barred);
                 *tried = aig.or(*tried, enabled);
                 if !transition.internal {
                     *left = aig.or(*left, first);
@@ -214,7 +218,7 @@ impl<'m> ChartStep<'m> {
                 moved[s.index()] = aig.or(barred, left);
             }
         }
-        fires
+        (fires, may)
     }
 
     /// What becomes of states by the transitions that fire; the outermost regions of charts of the
@@ -361,7 +365,7 @@ impl<'m> ChartStep<'m> {
             for assignment in &deeds.assignments {
                 let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
                 let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
-                let value = number(aig, &assignment.value, before);
+                let value = numbers::number(aig, &assignment.value, before);
                 let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
                 let kept = vector::select(aig, low, &lowest, &value);
                 let kept = vector::select(aig, high, &highest, &kept);
@@ -411,7 +415,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, integers, entered, fires, raised } = now;
+        let Now { active, variables, integers, entered, fires, enabled, raised } = now;
         let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
@@ -433,25 +437,7 @@ impl<'m> ChartStep<'m> {
             integers,
         };
         let events = given.before.raised.clone();
-        ChartScan { after, events, fires, commands, acted: filtered.acted, broken, begins, readings }
-    }
-}
-
-/// The integers at power-up.
-pub fn initial(machine: &Machine) -> Vec<Vector> {
-    machine.integers.values().map(|i| vector::fit(&vector::constant(i.initial), usize::from(WIDTH))).collect()
-}
-
-/// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
-/// that rows grow.
-fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
-    match number {
-        Number::Const(n) => vector::constant(*n),
-        Number::Value(i) => integers[i.index()].clone(),
-        Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
-            let value = self::number(aig, &operand.value, integers);
-            if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
-        }),
+        ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins, readings }
     }
 }
 
@@ -485,6 +471,7 @@ struct Now {
     /// For each state, whether it has been entered.
     entered: Vec<Lit>,
     fires: Vec<Lit>,
+    enabled: Vec<Lit>,
     /// For each event, whether it has been raised.
     raised: Vec<Lit>,
 }
@@ -497,6 +484,7 @@ impl Now {
             integers: before.integers.clone(),
             entered: vec![Lit::FALSE; machine.states.len()],
             fires: vec![Lit::FALSE; machine.transitions.len()],
+            enabled: vec![Lit::FALSE; machine.transitions.len()],
             raised: vec![Lit::FALSE; machine.events.len()],
         }
     }
@@ -559,20 +547,7 @@ impl Reading<'_> {
             Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
             Atom::Variable(v) => self.variables[v.index()],
             Atom::Event(e) => self.given.before.raised[e.index()],
-            Atom::Compare(c) => {
-                let Comparison { left, relation, right } = &self.given.step.machine.comparisons[c];
-                let (left, right) = (number(aig, left, self.integers), number(aig, right, self.integers));
-                let difference = vector::subtract(aig, &left, &right);
-                let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
-                match relation {
-                    Relation::Equal => zero,
-                    Relation::Unequal => !zero,
-                    Relation::Less => negative,
-                    Relation::LessOrEqual => aig.or(negative, zero),
-                    Relation::Greater => !aig.or(negative, zero),
-                    Relation::GreaterOrEqual => !negative,
-                }
-            }
+            Atom::Compare(c) => numbers::compare(aig, &self.given.step.machine.comparisons[c], self.integers),
             Atom::In(s) => self.active[s.index()],
             Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
             Atom::Done(s) => {

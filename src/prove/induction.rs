@@ -286,7 +286,7 @@ impl<'a> Both<'a> {
             past: none(timers),
             marks: none(pair.machine.safety.marks().count()),
             last: pair.machine.states.ids().map(|s| pair.chart.remembers(s).then_some(Lit::FALSE)).collect(),
-            integers: super::chart_step::initial(pair.machine),
+            integers: super::chart_numbers::initial(pair.machine),
         };
         let program = pair.program.power_up();
         Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }

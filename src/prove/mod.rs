@@ -3,6 +3,7 @@
 //! | module | does |
 //! | --- | --- |
 //! | [`chart_step`] | one scan of a chart as Boolean functions ([`bits`](crate::bits)), from the chart's own meaning |
+//! | [`chart_numbers`] | what it counts |
 //! | [`program_step`] | one scan of a PLC project as such functions, from the project's own meaning |
 //! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
@@ -17,6 +18,7 @@
 //! and [`emit`](crate::emit) are what is on trial.
 
 pub mod chart_filter;
+pub mod chart_numbers;
 pub mod chart_step;
 pub mod configuration;
 pub mod correspondence;

@@ -15,7 +15,8 @@
 //! 6. [`behaviour`]: what states drive, set and reset
 //! 7. [`safety`]: constraints and assumptions, split into products
 //! 8. [`plant`]: actuators that travel, rules for other inputs
-//! 9. [`scenarios`]: tests of the machine, times in scans
+//! 9. [`properties`]: what is said of all runs
+//! 10. [`scenarios`]: tests of the machine, times in scans
 
 mod actuators;
 mod behaviour;
@@ -24,6 +25,7 @@ mod functions;
 mod integers;
 mod names;
 mod plant;
+mod properties;
 mod safety;
 mod scenarios;
 mod seen;
@@ -63,6 +65,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     behaviour::resolve(&mut resolver, &bodies);
     safety::resolve(&mut resolver, tree);
     plant::resolve(&mut resolver, tree);
+    properties::resolve(&mut resolver, tree);
     scenarios::resolve(&mut resolver, tree);
     (resolver.machine, resolver.diagnostics)
 }

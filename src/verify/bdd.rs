@@ -76,7 +76,7 @@ const AND: u32 = u32::MAX;
 const SHIFT: u32 = u32::MAX - 1;
 
 /// How many operations pass between two looks at the clock.
-const PATIENCE: u32 = 1 << 14;
+const PATIENCE: u64 = 1 << 14;
 
 /// A store of diagrams.
 pub struct Bdd<'a> {
@@ -89,12 +89,13 @@ pub struct Bdd<'a> {
     level: Vec<u32>,
     cache: Vec<Entry>,
     stop: Stop<'a>,
-    ticks: u32,
+    /// Operations that may still follow.
+    steps: u64,
 }
 
 impl<'a> Bdd<'a> {
-    /// A store of at most `budget` nodes, and no variables yet.
-    pub fn new(budget: usize, stop: Stop<'a>) -> Self {
+    /// A store of at most `budget` nodes, for that many operations, and no variables yet.
+    pub fn new(budget: usize, steps: u64, stop: Stop<'a>) -> Self {
         let terminal = Node { var: BOTTOM, low: Edge::TRUE, high: Edge::TRUE, next: NONE };
         Bdd {
             nodes: vec![terminal],
@@ -105,7 +106,7 @@ impl<'a> Bdd<'a> {
             level: Vec::new(),
             cache: vec![Entry { key: (0, 0, 0), value: Edge::FALSE }; 1 << 12],
             stop,
-            ticks: 0,
+            steps,
         }
     }
 
@@ -253,12 +254,12 @@ impl<'a> Bdd<'a> {
     }
 
     fn tick(&mut self) -> Result<(), Limit> {
-        self.ticks += 1;
-        if self.ticks >= PATIENCE {
-            self.ticks = 0;
-            if (self.stop)() {
-                return Err(Limit::Stopped);
-            }
+        if self.steps == 0 {
+            return Err(Limit::Steps);
+        }
+        self.steps -= 1;
+        if self.steps.is_multiple_of(PATIENCE) && (self.stop)() {
+            return Err(Limit::Stopped);
         }
         Ok(())
     }

@@ -76,8 +76,8 @@ pub struct Progress {
     pub scans: usize,
 }
 
-/// How far the first scans are looked at before a proof is tried.
-const GLANCE: usize = 12;
+/// Conflicts for a first attempt to prove a claim.
+const GLANCE: u64 = 2_000;
 
 /// Conflicts for one question about the first scans.
 const QUESTION: u64 = 20_000;
@@ -90,27 +90,39 @@ pub fn check(
     stop: Stop<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Report {
-    let mut check = Check { system, limits, stop, progress, found: vec![None; system.claims.len()] };
+    let mut check = Check {
+        system,
+        limits,
+        stop,
+        progress,
+        found: vec![None; system.claims.len()],
+        gave_up: vec![None; system.claims.len()],
+    };
     let mut report = Report { findings: Vec::new(), states: None, scans: None };
     let may = |engine: Engine| choice == Choice::Automatic || choice == Choice::Only(engine);
     let mut limit = Limit::Kind;
+    let alone = choice == Choice::Only(Engine::Exact);
     if may(Engine::Exact) {
-        let explored = check.explore();
+        let explored = check.explore(if alone { u64::MAX } else { limits.steps });
         report.states = explored.0;
         report.scans = report.states.is_some().then_some(explored.1);
         limit = explored.2.unwrap_or(limit);
     }
+    // What is easily proved needs no search, and what is easily found no long proof.
+    if choice == Choice::Automatic {
+        check.prove(GLANCE.min(limits.conflicts));
+    }
     if may(Engine::Bounded) {
-        let scans = if choice == Choice::Automatic { GLANCE.min(limits.scans) } else { limits.scans };
-        check.look_ahead(scans);
+        check.look_ahead(limits.scans);
         limit = Limit::Scans;
     }
     if may(Engine::Proof) {
-        check.prove();
+        check.prove(limits.conflicts);
     }
-    for (claim, found) in system.claims.iter().zip(check.found) {
+    for ((claim, found), gave_up) in system.claims.iter().zip(check.found).zip(check.gave_up) {
         let open = || {
-            let kind = if matches!(claim.property, Property::Never(_)) { limit } else { Limit::Kind };
+            let never = matches!(claim.property, Property::Never(_)) || alone;
+            let kind = if never { gave_up.unwrap_or(limit) } else { Limit::Kind };
             let limit = if stop() { Limit::Stopped } else { kind };
             let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
             Finding { verdict: Verdict::Unknown(limit), engine }
@@ -126,6 +138,8 @@ struct Check<'s, 'a, 'p> {
     stop: Stop<'a>,
     progress: &'p mut dyn FnMut(Progress),
     found: Vec<Option<Finding>>,
+    /// Why the last proof of a claim was given up.
+    gave_up: Vec<Option<Limit>>,
 }
 
 impl Check<'_, '_, '_> {
@@ -135,7 +149,7 @@ impl Check<'_, '_, '_> {
             Err(trace) => {
                 let property = self.system.claims[claim].property;
                 if self.system.shows(&trace, property) {
-                    Verdict::Violated(self.system.calm(&trace, property))
+                    Verdict::Violated(trace)
                 } else {
                     Verdict::Unknown(Limit::Replay)
                 }
@@ -151,10 +165,10 @@ impl Check<'_, '_, '_> {
         open.filter_map(|(i, p)| if let Property::Never(bad) = p { Some((i, bad)) } else { None }).collect()
     }
 
-    fn explore(&mut self) -> (Option<Count>, usize, Option<Limit>) {
+    fn explore(&mut self, steps: u64) -> (Option<Count>, usize, Option<Limit>) {
         let progress = &mut *self.progress;
         let mut told = |scans: usize| progress(Progress { engine: Engine::Exact, claim: None, scans });
-        let explored = symbolic::explore(self.system, self.limits, self.stop, &mut told);
+        let explored = symbolic::explore(self.system, &Limits { steps, ..*self.limits }, self.stop, &mut told);
         for (claim, verdict) in explored.verdicts.into_iter().enumerate() {
             if let Some(verdict) = verdict {
                 self.settle(claim, Engine::Exact, verdict);
@@ -191,11 +205,13 @@ impl Check<'_, '_, '_> {
         }
     }
 
-    fn prove(&mut self) {
+    /// Tries to prove or refute what is open, with so many conflicts for each claim.
+    fn prove(&mut self, conflicts: u64) {
         for (claim, bad) in self.open() {
+            let limits = Limits { conflicts, ..*self.limits };
             let progress = &mut *self.progress;
             let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
-            match pdr::prove(self.system, bad, self.limits, self.stop, &mut told) {
+            match pdr::prove(self.system, bad, &limits, self.stop, &mut told) {
                 Ok(Proof::Never(cubes)) => {
                     if certificate::holds(self.system, bad, &cubes) {
                         self.settle(claim, Engine::Proof, Ok(()));
@@ -208,10 +224,7 @@ impl Check<'_, '_, '_> {
                     let trace = self.shorter(bad, trace);
                     self.settle(claim, Engine::Proof, Err(trace));
                 }
-                Err(limit) => {
-                    let finding = Finding { verdict: Verdict::Unknown(limit), engine: Engine::Proof };
-                    self.found[claim] = Some(finding);
-                }
+                Err(limit) => self.gave_up[claim] = Some(limit),
             }
         }
     }

@@ -10,6 +10,8 @@ pub type Stop<'a> = &'a dyn Fn() -> bool;
 pub struct Limits {
     /// Nodes of decision diagrams that there may be at once; some 25 bytes each.
     pub nodes: usize,
+    /// Operations on decision diagrams, where others may still find an answer; millions a second.
+    pub steps: u64,
     /// Scans that a bounded search looks ahead.
     pub scans: usize,
     /// Conflicts of the SAT solver for one claim and engine.
@@ -18,7 +20,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { nodes: 4_000_000, scans: 100, conflicts: 2_000_000 }
+        Limits { nodes: 4_000_000, steps: 8_000_000, scans: 100, conflicts: 200_000 }
     }
 }
 
@@ -27,6 +29,8 @@ impl Default for Limits {
 pub enum Limit {
     /// The diagrams would need more nodes than there may be.
     Nodes,
+    /// The diagrams took as many operations as they may.
+    Steps,
     /// The search looked as far ahead as it may.
     Scans,
     /// The solver met as many conflicts as it may.
@@ -45,6 +49,7 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Limit::Nodes => "the set of reachable states needs more memory than is allowed",
+            Limit::Steps => "the set of reachable states takes too long",
             Limit::Scans => "nothing was found within the scans that are looked ahead",
             Limit::Conflicts => "the solver gave up",
             Limit::Stopped => "the time was up",

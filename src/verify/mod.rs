@@ -8,9 +8,10 @@
 //! | [`bounded`] | shortest runs, by a [`solver`] |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
 //! | [`export`] | for other tools, and their runs back |
+//! | [`machine`] | a machine in its plant as such a system, and what to ask of it |
 //! | [`limits`] | how much they may spend, and why they gave up |
 //!
-//! Nothing here knows of charts.
+//! Only [`machine`] knows of charts.
 
 pub mod bdd;
 pub mod bounded;
@@ -19,6 +20,7 @@ pub mod count;
 pub mod engine;
 pub mod export;
 pub mod limits;
+pub mod machine;
 pub mod order;
 pub mod pdr;
 pub mod relation;

@@ -7,10 +7,10 @@
 
 use super::aig::{Lit, Node};
 use super::bdd::{Bdd, Edge, Var};
-use super::limits::{Limit, Stop};
+use super::limits::{Limit, Limits, Stop};
 use super::order;
 use super::system::System;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// A gate that has more nodes than this and is read more than once becomes a variable.
 const CUT: usize = 400;
@@ -30,14 +30,19 @@ pub struct Relation<'a> {
     pub then: Vec<Var>,
     /// States before any scan.
     pub initial: Edge,
-    /// For each literal asked for, whether inputs exist that satisfy the constraints and make it TRUE.
-    pub possible: Vec<Edge>,
-    /// The states from which inputs exist that satisfy the constraints.
-    pub alive: Edge,
+    /// For each literal asked for, and last for TRUE, what it takes to find the states from which inputs exist that satisfy
+    /// the constraints and make it TRUE.
+    asked: Vec<Asked>,
     forward: Schedule,
     backward: Schedule,
     to_now: Vec<Var>,
     to_then: Vec<Var>,
+}
+
+/// How to find out about a literal: whether any state of a set will do, and which.
+struct Asked {
+    whether: Schedule,
+    which: Schedule,
 }
 
 /// In which order a set meets the parts, and what is quantified with each.
@@ -48,37 +53,41 @@ struct Schedule {
 }
 
 impl<'a> Relation<'a> {
-    /// The relation, and what is possible of `asked`.
-    pub fn new(system: &System, asked: &[Lit], nodes: usize, stop: Stop<'a>) -> Result<Self, Limit> {
-        let mut build = Build::new(system, asked, nodes, stop);
-        let mut ands: Vec<Edge> = Vec::new();
+    /// The relation, and what it takes to find out what is possible of `asked`.
+    pub fn new(system: &System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> Result<Self, Limit> {
+        let mut build = Build::new(system, asked, limits, stop);
         let mut roots: Vec<Lit> = system.constraints.clone();
         roots.extend(build.latches.iter().map(|&l| system.latches[l].next));
-        roots.extend(asked);
-        let images = build.functions(&roots)?;
-        let (constraints, rest) = images.split_at(system.constraints.len());
-        let (nexts, asked) = rest.split_at(build.latches.len());
+        let images = build.functions(&roots, &[])?;
+        let (constraints, nexts) = images.split_at(system.constraints.len());
+        let constraints = constraints.to_vec();
+        // What a latch will be need not be worked out again where something reads it.
+        let mut defined = Vec::new();
+        let mut updates = Vec::new();
+        for (i, (&next, &then)) in nexts.iter().zip(&build.then.clone()).enumerate() {
+            let var = build.bdd.var(then)?;
+            updates.push((then, build.bdd.equal(var, next)?));
+            defined.push((system.latches[build.latches[i]].next, var));
+        }
+        let mut claims = build.functions(asked, &defined)?;
+        claims.push(Edge::TRUE);
         let Build { mut bdd, latches, now, then, given, cuts, .. } = build;
-        // What holds of gates that became variables, and of inputs.
-        ands.extend(cuts.iter().copied());
-        ands.extend(constraints.iter().copied());
-        let hidden: Vec<Var> = given;
-        let mut possible = Vec::new();
-        for &function in asked.iter().chain([&Edge::TRUE]) {
-            let mut parts = ands.clone();
+        let definitions: Vec<(Var, Edge)> = cuts.iter().chain(&updates).copied().collect();
+        let everything: Vec<Var> = (0..bdd.variables()).collect();
+        let hidden: Vec<Var> = given.iter().chain(&then).copied().collect();
+        let mut asked = Vec::new();
+        for function in claims {
+            let mut parts = constraints.clone();
             parts.push(function);
-            let parts = cluster(&mut bdd, parts)?;
-            let schedule = Schedule::new(&mut bdd, &parts, &hidden)?;
-            possible.push(schedule.meet(&mut bdd, Edge::TRUE, &[])?);
+            let parts = with_definitions(&bdd, parts, &definitions);
+            asked.push(Asked {
+                whether: Schedule::new(&mut bdd, &parts, &everything)?,
+                which: Schedule::new(&mut bdd, &parts, &hidden)?,
+            });
         }
-        let alive = possible.pop().expect("TRUE was asked last");
-        let mut parts = ands;
-        for (&next, &var) in nexts.iter().zip(&then) {
-            let var = bdd.var(var)?;
-            parts.push(bdd.equal(var, next)?);
-        }
+        let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
         let parts = cluster(&mut bdd, parts)?;
-        let quantify = |vars: &[Var]| -> Vec<Var> { vars.iter().chain(&hidden).copied().collect() };
+        let quantify = |vars: &[Var]| -> Vec<Var> { vars.iter().chain(&given).copied().collect() };
         let forward = Schedule::new(&mut bdd, &parts, &quantify(&now))?;
         let backward = Schedule::new(&mut bdd, &parts, &quantify(&then))?;
         let mut initial = Edge::TRUE;
@@ -88,13 +97,31 @@ impl<'a> Relation<'a> {
                 initial = bdd.and(initial, var.xor(!value))?;
             }
         }
-        let mut to_now: Vec<Var> = (0..bdd.variables()).collect();
-        let mut to_then = to_now.clone();
+        let mut to_now: Vec<Var> = everything.clone();
+        let mut to_then = everything;
         for (&now, &then) in now.iter().zip(&then) {
             to_now[then as usize] = now;
             to_then[now as usize] = then;
         }
-        Ok(Relation { bdd, latches, now, then, initial, possible, alive, forward, backward, to_now, to_then })
+        Ok(Relation { bdd, latches, now, then, initial, asked, forward, backward, to_now, to_then })
+    }
+
+    /// Whether the literal of that index is possible in one of the states; `keep` must not be lost.
+    pub fn is_possible(&mut self, asked: usize, states: Edge, keep: &[Edge]) -> Result<bool, Limit> {
+        let keep = self.roots(keep);
+        Ok(self.asked[asked].whether.meet(&mut self.bdd, states, &keep)? != Edge::FALSE)
+    }
+
+    /// Those of the states in which it is.
+    pub fn possible(&mut self, asked: usize, states: Edge, keep: &[Edge]) -> Result<Edge, Limit> {
+        let keep = self.roots(&[keep, &[states]].concat());
+        let found = self.asked[asked].which.meet(&mut self.bdd, states, &keep)?;
+        self.bdd.and(found, states)
+    }
+
+    /// The index to ask whether anything is possible.
+    pub fn anything(&self) -> usize {
+        self.asked.len() - 1
     }
 
     /// The states after one scan from `from`.
@@ -137,10 +164,10 @@ impl<'a> Relation<'a> {
 
     /// All that must not be lost, together with `keep`.
     fn roots(&self, keep: &[Edge]) -> Vec<Edge> {
-        let mut roots = vec![self.initial, self.alive];
-        roots.extend(&self.possible);
+        let mut roots = vec![self.initial];
         roots.extend(keep);
-        for schedule in [&self.forward, &self.backward] {
+        let asked = self.asked.iter().flat_map(|a| [&a.whether, &a.which]);
+        for schedule in [&self.forward, &self.backward].into_iter().chain(asked) {
             roots.push(schedule.before);
             roots.extend(schedule.parts.iter().flat_map(|&(part, cube)| [part, cube]));
         }
@@ -198,6 +225,19 @@ impl Schedule {
     }
 }
 
+/// The parts, and the definitions of what they read.
+fn with_definitions(bdd: &Bdd<'_>, mut parts: Vec<Edge>, definitions: &[(Var, Edge)]) -> Vec<Edge> {
+    let mut open: HashMap<Var, Edge> = definitions.iter().copied().collect();
+    let mut at = 0;
+    while at < parts.len() {
+        for var in bdd.support(parts[at]) {
+            parts.extend(open.remove(&var));
+        }
+        at += 1;
+    }
+    parts
+}
+
 /// Puts neighbouring parts together while they stay small.
 fn cluster(bdd: &mut Bdd<'_>, mut parts: Vec<Edge>) -> Result<Vec<Edge>, Limit> {
     parts.retain(|&p| p != Edge::TRUE);
@@ -233,8 +273,8 @@ struct Build<'s, 'a> {
     then: Vec<Var>,
     /// Inputs, and gates that became variables.
     given: Vec<Var>,
-    /// For each gate that became a variable, that the variable is what the gate says.
-    cuts: Vec<Edge>,
+    /// The gates that became variables, each with that it is what the gate says.
+    cuts: Vec<(Var, Edge)>,
     rank: Vec<Option<u32>>,
     /// For each leaf's node, its variable.
     variable: Vec<Option<Var>>,
@@ -243,7 +283,7 @@ struct Build<'s, 'a> {
 }
 
 impl<'s, 'a> Build<'s, 'a> {
-    fn new(system: &'s System, asked: &[Lit], nodes: usize, stop: Stop<'a>) -> Self {
+    fn new(system: &'s System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> Self {
         let roots: Vec<Lit> = system.constraints.iter().chain(asked).copied().collect();
         let (latches, inputs) = system.cone(&roots);
         let nexts = latches.iter().map(|&l| system.latches[l].next);
@@ -257,7 +297,7 @@ impl<'s, 'a> Build<'s, 'a> {
         leaves.sort_unstable();
         let mut build = Build {
             system,
-            bdd: Bdd::new(nodes, stop),
+            bdd: Bdd::new(limits.nodes, limits.steps, stop),
             latches,
             now: Vec::new(),
             then: Vec::new(),
@@ -287,8 +327,8 @@ impl<'s, 'a> Build<'s, 'a> {
         build
     }
 
-    /// The diagrams of `roots`.
-    fn functions(&mut self, roots: &[Lit]) -> Result<Vec<Edge>, Limit> {
+    /// The diagrams of `roots`, in which what is `known` need not be worked out.
+    fn functions(&mut self, roots: &[Lit], known: &[(Lit, Edge)]) -> Result<Vec<Edge>, Limit> {
         let aig = &self.system.aig;
         let cone = aig.cone(roots);
         let mut readers = vec![0u32; aig.len()];
@@ -300,7 +340,12 @@ impl<'s, 'a> Build<'s, 'a> {
         }
         roots.iter().for_each(|l| readers[l.node()] += 1);
         let mut image = vec![Edge::FALSE; aig.len()];
+        let known: HashMap<usize, Edge> = known.iter().map(|&(l, e)| (l.node(), e.xor(l.is_negated()))).collect();
         for n in cone {
+            if let (Some(&edge), Node::And(..)) = (known.get(&n), aig.node(n)) {
+                image[n] = edge;
+                continue;
+            }
             image[n] = match aig.node(n) {
                 Node::False => Edge::FALSE,
                 Node::Leaf(_) => {
@@ -328,7 +373,8 @@ impl<'s, 'a> Build<'s, 'a> {
         self.ranked.insert(at, (rank, var));
         self.given.push(var);
         let edge = self.bdd.var(var)?;
-        self.cuts.push(self.bdd.equal(edge, function)?);
+        let definition = self.bdd.equal(edge, function)?;
+        self.cuts.push((var, definition));
         Ok(edge)
     }
 }

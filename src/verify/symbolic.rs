@@ -28,7 +28,7 @@ pub fn explore(system: &System, limits: &Limits, stop: Stop<'_>, progress: &mut 
     let claims = &system.claims;
     let mut explored = Explored { verdicts: vec![None; claims.len()], states: None, scans: 0, limit: None };
     let asked: Vec<Lit> = claims.iter().filter_map(|c| literal(c.property)).collect();
-    let outcome = Relation::new(system, &asked, limits.nodes, stop).and_then(|relation| {
+    let outcome = Relation::new(system, &asked, limits, stop).and_then(|relation| {
         let search = Search { system, claims, relation, rings: Vec::new(), reached: Edge::FALSE, stop };
         search.run(&mut explored, progress)
     });
@@ -63,7 +63,7 @@ impl Search<'_, '_> {
             progress(explored.scans);
             self.look(explored)?;
             self.make_room();
-            let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+            let keep = self.keep();
             let after = self.relation.image(fresh, &keep)?;
             fresh = self.relation.bdd.and(after, !self.reached)?;
             self.reached = self.relation.bdd.or(self.reached, fresh)?;
@@ -76,7 +76,10 @@ impl Search<'_, '_> {
             explored.verdicts[i] = Some(Ok(()));
             if matches!(claim.property, Property::AlwaysPossible(_)) {
                 explored.verdicts[i] = None;
-                let lost = self.lost(self.goal(i))?;
+                let goal = self.index(i);
+                let keep = self.keep();
+                let goal = self.relation.possible(goal, self.reached, &keep)?;
+                let lost = self.lost(goal)?;
                 explored.verdicts[i] = Some(if lost == Edge::FALSE { Ok(()) } else { Err(self.lead(lost, None)?) });
             }
         }
@@ -85,30 +88,44 @@ impl Search<'_, '_> {
 
     /// Frees what nobody needs when half of what is allowed is taken.
     fn make_room(&mut self) {
-        let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+        let keep = self.keep();
         self.relation.make_room(&keep);
     }
 
-    /// The states in which a claim's literal is possible.
-    fn goal(&self, claim: usize) -> Edge {
-        let before = self.claims[..claim].iter().filter(|c| literal(c.property).is_some()).count();
-        self.relation.possible[before]
+    /// All that must not be lost.
+    fn keep(&self) -> Vec<Edge> {
+        self.rings.iter().copied().chain([self.reached]).collect()
+    }
+
+    /// The index by which the relation knows a claim's literal.
+    fn index(&self, claim: usize) -> usize {
+        self.claims[..claim].iter().filter(|c| literal(c.property).is_some()).count()
     }
 
     /// Looks at the newest ring.
     fn look(&mut self, explored: &mut Explored) -> Result<(), Limit> {
         let ring = *self.rings.last().expect("there is a ring");
         for (i, claim) in self.claims.iter().enumerate() {
-            let (shown, bad) = match claim.property {
-                Property::Never(bad) => (self.goal(i), Some(bad)),
-                Property::NeverStuck => (!self.relation.alive, None),
+            if explored.verdicts[i].is_some() {
+                continue;
+            }
+            let keep = self.keep();
+            let (found, bad) = match claim.property {
+                Property::Never(bad) => {
+                    let asked = self.index(i);
+                    if !self.relation.is_possible(asked, ring, &keep)? {
+                        continue;
+                    }
+                    (self.relation.possible(asked, ring, &keep)?, Some(bad))
+                }
+                Property::NeverStuck => {
+                    let alive = self.relation.possible(self.relation.anything(), ring, &keep)?;
+                    (self.relation.bdd.and(ring, !alive)?, None)
+                }
                 Property::AlwaysPossible(_) => continue,
             };
-            if explored.verdicts[i].is_none() {
-                let found = self.relation.bdd.and(ring, shown)?;
-                if found != Edge::FALSE {
-                    explored.verdicts[i] = Some(Err(self.lead(found, bad)?));
-                }
+            if found != Edge::FALSE {
+                explored.verdicts[i] = Some(Err(self.lead(found, bad)?));
             }
         }
         Ok(())
@@ -141,7 +158,7 @@ impl Search<'_, '_> {
         while ring > 0 {
             ring -= 1;
             let to = self.relation.only(path.last().expect("it has a state"))?;
-            let keep: Vec<Edge> = self.rings.iter().copied().chain([self.reached]).collect();
+            let keep = self.keep();
             let before = self.relation.preimage(to, &keep)?;
             let before = self.relation.bdd.and(before, self.rings[ring])?;
             path.push(self.one_of(before));

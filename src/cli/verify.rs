@@ -1,0 +1,228 @@
+//! A model to what is true of all its runs.
+
+use super::args::{Format, Verify as Args, VerifyEngine, VerifyProgram};
+use super::files::{self, Pending};
+use super::report::{FileReport, Report};
+use super::{Outcome, finish, read, say, usage};
+use crate::ir::chart::Machine;
+use crate::pipeline::verify::{self, Answer, Options, Program, Question, Status, Verified, words};
+use crate::simulate::record::Recording;
+use crate::simulate::vcd;
+use crate::verify::{Choice, Engine, Limits};
+use serde::Serialize;
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+/// What a node of a diagram takes in memory, in bytes: itself, its place in the tables, and what is
+/// remembered about it.
+const NODE: usize = 40;
+
+/// The JSON document's part.
+#[derive(Serialize)]
+struct Result {
+    answers: Vec<JsonAnswer>,
+    latches: usize,
+    inputs: usize,
+    /// A number that may be larger than a JSON reader takes.
+    states: Option<String>,
+    scans: Option<usize>,
+}
+
+#[derive(Serialize)]
+struct JsonAnswer {
+    question: String,
+    verdict: &'static str,
+    engine: &'static str,
+    /// Whether the machine is wrong if it is violated.
+    demand: bool,
+    reason: Option<String>,
+    /// How many scans the run takes that shows it.
+    scans: Option<usize>,
+    shortest: Option<bool>,
+    replayed: Option<bool>,
+    scenario: Option<String>,
+}
+
+/// Runs `chartwright verify`.
+pub fn run(args: &Args) -> Outcome {
+    let outs: Vec<_> = [&args.vcd, &args.scenario].into_iter().flatten().collect();
+    if outs.iter().any(|out| !files::is_standard(out) && files::same(out, &args.file)) {
+        return usage("verify", "writing the run would overwrite the model");
+    }
+    let mut report = Report::default();
+    let begun = Instant::now();
+    let most = Duration::from_secs(args.time);
+    let stop = || begun.elapsed() > most;
+    let options = Options {
+        program: program(args.program),
+        open: args.open,
+        choice: match args.engine {
+            VerifyEngine::Auto => Choice::Automatic,
+            VerifyEngine::Exact => Choice::Only(Engine::Exact),
+            VerifyEngine::Bounded => Choice::Only(Engine::Bounded),
+            VerifyEngine::Proof => Choice::Only(Engine::Proof),
+        },
+        limits: Limits {
+            nodes: (args.memory as usize).saturating_mul(1 << 20) / NODE,
+            scans: args.scans as usize,
+            ..Limits::default()
+        },
+    };
+    let verified =
+        read(&args.file, &mut report, |source| verify::verify(source, &options, &stop, &mut |_| {})).flatten();
+    let Some(verified) = verified else {
+        return finish("verify", args.output.format, &report, &Option::<Result>::None);
+    };
+    let mut written = true;
+    if let Some(answer) = verified.answers.iter().find(|a| is_counterexample(a)) {
+        for failed in write(args, &verified.machine, answer) {
+            report.files.push(failed);
+            written = false;
+        }
+    }
+    finish("verify", args.output.format, &report, &result(&verified));
+    if args.output.format == Format::Human {
+        say(&human(&verified, begun.elapsed()));
+    }
+    let fine = verified.answers.iter().all(|a| match a.status {
+        Status::Holds => true,
+        Status::Violated => !a.question.is_demand(),
+        // Who declares a property wants to know; what all machines are asked may stay open.
+        Status::Unknown(_) => !matches!(a.question, Question::Declared(_) | Question::Violated(_)),
+    });
+    if fine && written && verified.refusal.is_none() { Outcome::Fine } else { Outcome::Wrong }
+}
+
+/// What runs in front of the filter.
+pub fn program(program: VerifyProgram) -> Program {
+    match program {
+        VerifyProgram::Chart => Program::Chart,
+        VerifyProgram::Any => Program::Any,
+    }
+}
+
+/// Whether it shows that the machine is wrong.
+fn is_counterexample(answer: &Answer) -> bool {
+    answer.question.is_demand() && answer.status == Status::Violated && answer.run.is_some()
+}
+
+fn write(args: &Args, machine: &Machine, answer: &Answer) -> Vec<FileReport> {
+    let run = answer.run.as_ref().expect("a counterexample has a run");
+    let mut failed = Vec::new();
+    let mut put = |path: &Option<std::path::PathBuf>, text: String| {
+        let Some(path) = path else { return };
+        if let Err(diagnostic) = Pending::prepare(path, text).and_then(Pending::commit) {
+            failed.push(FileReport::failed(files::show(path), diagnostic));
+        }
+    };
+    put(&args.scenario, run.scenario.clone());
+    put(&args.vcd, vcd::write(machine, &recording(run)));
+    failed
+}
+
+fn recording(run: &verify::Run) -> Recording {
+    let mut recording = Recording::all();
+    run.frames.iter().zip(1..).for_each(|(frame, scan)| recording.push(scan, frame));
+    recording
+}
+
+fn verdict(answer: &Answer) -> &'static str {
+    match answer.status {
+        Status::Holds => "holds",
+        Status::Violated if answer.question.is_demand() => "violated",
+        Status::Violated => "to judge",
+        Status::Unknown(_) => "unknown",
+    }
+}
+
+fn engine(engine: Engine) -> &'static str {
+    match engine {
+        Engine::Exact => "exact",
+        Engine::Bounded => "bounded",
+        Engine::Proof => "proof",
+    }
+}
+
+fn result(verified: &Verified) -> Result {
+    let answers = verified.answers.iter().map(|a| JsonAnswer {
+        question: words(&verified.machine, a.question),
+        verdict: verdict(a),
+        engine: engine(a.engine),
+        demand: a.question.is_demand(),
+        reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
+        scans: a.run.as_ref().map(|r| r.frames.len()),
+        shortest: a.run.as_ref().map(|r| r.shortest),
+        replayed: a.run.as_ref().and_then(|r| r.replayed),
+        scenario: a.run.as_ref().filter(|_| a.question.is_demand()).map(|r| r.scenario.clone()),
+    });
+    Result {
+        answers: answers.collect(),
+        latches: verified.latches,
+        inputs: verified.inputs,
+        states: verified.states.clone(),
+        scans: verified.scans,
+    }
+}
+
+fn human(verified: &Verified, time: Duration) -> String {
+    let machine = &verified.machine;
+    let mut text = String::new();
+    if let Some(refusal) = verified.refusal {
+        return format!("error: {refusal}\n");
+    }
+    for a in &verified.answers {
+        // What all machines are asked is worth a line only where the answer is not what one hopes for.
+        let own = matches!(a.question, Question::Declared(_) | Question::Assumable | Question::Moves);
+        if a.status == Status::Holds && !own {
+            continue;
+        }
+        let _ = write!(text, "{:<8}  {}", verdict(a), words(machine, a.question));
+        match (&a.run, a.status) {
+            (_, Status::Unknown(limit)) => {
+                let _ = write!(text, " ({limit})");
+            }
+            (Some(run), _) if run.frames.is_empty() => text += " (from the beginning)",
+            (Some(run), _) => {
+                let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
+                let _ = write!(text, " (in scan {}{least})", run.frames.len());
+            }
+            (None, _) => {}
+        }
+        text.push('\n');
+    }
+    let tally: [(&str, fn(Question) -> bool); 3] = [
+        ("constraints are kept", |q| matches!(q, Question::Violated(_))),
+        ("states are reachable", |q| matches!(q, Question::Active(_))),
+        ("transitions can fire", |q| matches!(q, Question::Fires(_))),
+    ];
+    for (what, is) in tally {
+        let asked: Vec<&Answer> = verified.answers.iter().filter(|a| is(a.question)).collect();
+        if !asked.is_empty() {
+            let hold = asked.iter().filter(|a| a.status == Status::Holds).count();
+            let _ = writeln!(text, "{hold} of {} {what}", asked.len());
+        }
+    }
+    for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
+        let run = a.run.as_ref().expect("a counterexample has a run");
+        if run.frames.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "\n{}\n{}", words(machine, a.question), recording(run).table(machine, usize::MAX));
+        if run.replayed == Some(false) {
+            text += "The simulator does not repeat this run: it needs a time to pass sooner or later than at a fixed cycle.\n";
+        }
+    }
+    let _ = match (&verified.states, verified.scans) {
+        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} scans"),
+        _ => writeln!(text, "\nnot all states were explored"),
+    };
+    let _ = writeln!(
+        text,
+        "{} bits of memory, {} bits that come in; {}.{:03} s",
+        verified.latches,
+        verified.inputs,
+        time.as_secs(),
+        time.subsec_millis()
+    );
+    text
+}

@@ -1,0 +1,287 @@
+//! A machine to answers about all its runs, each with the run that shows it.
+
+use super::check;
+use crate::base::Diagnostics;
+use crate::ir::chart::{InputId, Machine};
+use crate::ir::scenario::{Doing, Given, PropertyKind, Scenario, Step};
+use crate::simulate::frame::{Frame, Layout};
+use crate::simulate::run::Program as Runs;
+use crate::simulate::scenario::play;
+use crate::verify::aig::lanes;
+use crate::verify::engine::{self, Choice, Engine, Progress};
+use crate::verify::machine::Subject;
+use crate::verify::system::Trace;
+use crate::verify::{Limit, Limits, Verdict};
+use std::fmt::Write;
+
+pub use crate::verify::machine::questions::{Question, transition};
+pub use crate::verify::machine::{Program, Refusal};
+
+/// What [`verify`] is told.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What runs in front of the filter.
+    pub program: Program,
+    /// Whether the plant is left out, and all inputs are free.
+    pub open: bool,
+    /// Which engines may be used.
+    pub choice: Choice,
+    /// What they may spend.
+    pub limits: Limits,
+}
+
+/// What is true of a machine.
+#[derive(Clone, Debug)]
+pub struct Verified {
+    /// The machine.
+    pub machine: Machine,
+    /// Why nothing was asked, if so.
+    pub refusal: Option<Refusal>,
+    /// Question by question.
+    pub answers: Vec<Answer>,
+    /// How many bits are remembered from scan to scan.
+    pub latches: usize,
+    /// How many bits come in.
+    pub inputs: usize,
+    /// How many states are reachable, if all of them were found.
+    pub states: Option<String>,
+    /// After how many scans there was no new one.
+    pub scans: Option<usize>,
+}
+
+/// The answer to one question.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The question.
+    pub question: Question,
+    /// What is so.
+    pub status: Status,
+    /// Who says so.
+    pub engine: Engine,
+    /// The run that shows it, if there is one.
+    pub run: Option<Run>,
+}
+
+/// What is so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// What was hoped for.
+    Holds,
+    /// The opposite.
+    Violated,
+    /// Nobody knows.
+    Unknown(Limit),
+}
+
+/// A run from power-up.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What there is to see after each scan.
+    pub frames: Vec<Frame>,
+    /// Whether no shorter run shows the same.
+    pub shortest: bool,
+    /// The run as a scenario, in the words of the language.
+    pub scenario: String,
+    /// Whether the chart does the same in the simulator. It does unless times are needed that a fixed cycle
+    /// does not give; nothing if it is no run of the chart.
+    pub replayed: Option<bool>,
+}
+
+/// Text to answers. Nothing if the model has errors. `stop` is asked now and then whether to end.
+pub fn verify(
+    source: &str,
+    options: &Options,
+    stop: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(Progress),
+) -> (Option<Verified>, Diagnostics) {
+    let (machine, diagnostics) = check(source);
+    let Some(machine) = machine else { return (None, diagnostics) };
+    let mut verified =
+        Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, states: None, scans: None };
+    let subject = match Subject::new(&verified.machine, options.program, options.open) {
+        Ok(subject) => subject,
+        Err(refusal) => {
+            verified.refusal = Some(refusal);
+            return (Some(verified), diagnostics);
+        }
+    };
+    let report = engine::check(&subject.system, &options.limits, options.choice, stop, progress);
+    let mut answers = Vec::new();
+    for (&question, finding) in subject.questions.iter().zip(report.findings) {
+        let hopes = question.hopes_for_a_run(subject.machine);
+        let (status, run) = match finding.verdict {
+            Verdict::Unknown(limit) => (Status::Unknown(limit), None),
+            Verdict::Holds => (if hopes { Status::Violated } else { Status::Holds }, None),
+            Verdict::Violated(trace) => {
+                let status = if hopes { Status::Holds } else { Status::Violated };
+                (status, Some(show(&subject, question, &trace, options)))
+            }
+        };
+        answers.push(Answer { question, status, engine: finding.engine, run });
+    }
+    verified.latches = subject.system.latches.len();
+    verified.inputs = subject.system.inputs.len();
+    verified.states = report.states.map(|s| s.to_string());
+    verified.scans = report.scans;
+    verified.answers = answers;
+    (Some(verified), diagnostics)
+}
+
+/// The system of a machine, for other tools.
+pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject<'_>, Refusal> {
+    Subject::new(machine, program, open)
+}
+
+/// What a question asks, in words.
+pub fn words(machine: &Machine, question: Question) -> String {
+    match question {
+        Question::Declared(i) => {
+            let p = &machine.properties[i];
+            format!("{}: {} {}", p.name, p.kind.words(), condition(machine, i))
+        }
+        Question::Violated(c) => {
+            let c = &machine.safety.constraints[c];
+            format!("{}: the outputs never violate it", c.name)
+        }
+        Question::Assumable => "the assumptions leave inputs in every scan".to_owned(),
+        Question::Moves => "it is always possible that a transition fires".to_owned(),
+        Question::Active(s) => format!("{} is reachable", machine.state_path(s)),
+        Question::Fires(t) => format!("{} can fire", transition(machine, t)),
+        Question::Together(a, b) => {
+            format!("{} and {} are never enabled together", transition(machine, a), transition(machine, b))
+        }
+        Question::Acts(c) => format!("{}: the filter never has to act", machine.safety.constraints[c].name),
+    }
+}
+
+fn condition(machine: &Machine, property: usize) -> String {
+    let mut out = String::new();
+    let written = machine.properties[property]
+        .condition
+        .write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
+    written.expect("writing to a string succeeds");
+    out
+}
+
+/// A run of the system as people see it, played once more by the simulator.
+fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
+    // What people look at is worth the time to make it calm.
+    let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
+    let property = subject.system.claims[claim].property;
+    let calm = question.is_demand().then(|| subject.system.calm(trace, property));
+    let trace = calm.as_ref().unwrap_or(trace);
+    let replay = subject.system.replay(trace).expect("the engines replay what they return");
+    let view = subject.view.frame();
+    let frame = |values: &Vec<u64>| view.iter().map(|&l| lanes(values, l) & 1 == 1).collect();
+    let frames: Vec<Frame> = replay.values.iter().map(frame).collect();
+    let machine = subject.machine;
+    let gives = if options.open { vec![true; machine.inputs.len()] } else { machine.plant.gives(machine.inputs.len()) };
+    let steps = steps(machine, &gives, &frames);
+    let name = format!("found by verification: {}", words(machine, question));
+    let watch = match question {
+        Question::Declared(i) => match machine.properties[i].kind {
+            PropertyKind::Never => format!("  never {}\n", condition(machine, i)),
+            PropertyKind::Always => format!("  always {}\n", condition(machine, i)),
+            PropertyKind::Reachable | PropertyKind::AlwaysPossible => String::new(),
+        },
+        _ => String::new(),
+    };
+    let mut scenario = format!("scenario {} {{\n{watch}", quoted(&name));
+    steps.iter().for_each(|s| write_step(machine, s, &mut scenario));
+    if let Question::Declared(i) = question
+        && machine.properties[i].kind == PropertyKind::Reachable
+    {
+        let _ = writeln!(scenario, "  expect {}", condition(machine, i));
+    }
+    scenario += "}\n";
+    let replayed = (options.program == Program::Chart).then(|| is_replayed(machine, &steps, &frames));
+    Run { frames, shortest: trace.shortest, scenario, replayed }
+}
+
+/// What to do, so that the program samples in each scan what stands in the frames. What the plant gives is
+/// forced.
+fn steps(machine: &Machine, gives: &[bool], frames: &[Frame]) -> Vec<Doing> {
+    let layout = Layout::of(machine);
+    let mut now: Vec<Option<bool>> = vec![Some(false); machine.inputs.len()];
+    for &(given, value) in &machine.plant.initially {
+        if let Given::Input(i) = given {
+            now[i.index()] = Some(value);
+        }
+    }
+    for (now, gives) in now.iter_mut().zip(gives) {
+        if *gives {
+            *now = None;
+        }
+    }
+    let mut steps: Vec<Doing> = Vec::new();
+    for frame in frames {
+        let ids: Vec<InputId> = machine.inputs.ids().collect();
+        let changed: Vec<InputId> =
+            ids.into_iter().filter(|&i| now[i.index()] != Some(frame[layout.input(i)])).collect();
+        let value = |i: InputId| frame[layout.input(i)];
+        for wanted in [true, false] {
+            let set: Vec<(Given, bool)> = changed
+                .iter()
+                .filter(|&&i| !gives[i.index()] && value(i) == wanted)
+                .map(|&i| (Given::Input(i), wanted))
+                .collect();
+            if !set.is_empty() {
+                steps.push(Doing::Set(set));
+            }
+        }
+        let forced: Vec<(InputId, bool)> =
+            changed.iter().filter(|i| gives[i.index()]).map(|&i| (i, value(i))).collect();
+        if !forced.is_empty() {
+            steps.push(Doing::Force(forced));
+        }
+        changed.iter().for_each(|&i| now[i.index()] = Some(value(i)));
+        match steps.last_mut() {
+            Some(Doing::Wait(scans)) => *scans += 1,
+            _ => steps.push(Doing::Wait(1)),
+        }
+    }
+    steps
+}
+
+fn write_step(machine: &Machine, doing: &Doing, out: &mut String) {
+    let _ = match doing {
+        Doing::Set(given) => {
+            let names: Vec<&str> = given.iter().map(|&(g, _)| machine.given(g)).collect();
+            let word = if given[0].1 { "set" } else { "reset" };
+            writeln!(out, "  {word} {}", names.join(", "))
+        }
+        Doing::Force(forced) => {
+            let name = |&(i, value): &(InputId, bool)| {
+                format!("{}{}", if value { "" } else { "not " }, machine.inputs[i].name)
+            };
+            let names: Vec<String> = forced.iter().map(name).collect();
+            writeln!(out, "  force {}", names.join(", "))
+        }
+        Doing::Wait(1) => writeln!(out, "  wait 1 scan"),
+        Doing::Wait(n) => writeln!(out, "  wait {n} scans"),
+        other => unreachable!("{other:?} is not among what a run needs"),
+    };
+}
+
+/// Whether the simulator, which shares nothing with the system, sees the same in every scan. What the plant hides is
+/// left out: it goes its own way while inputs are forced.
+fn is_replayed(machine: &Machine, steps: &[Doing], frames: &[Frame]) -> bool {
+    let mut machine = machine.clone();
+    let span = crate::base::Span::default();
+    let steps = steps.iter().map(|d| Step { doing: d.clone(), text: String::new(), span });
+    machine.scenarios.push(Scenario { name: String::new(), after: None, steps: steps.collect(), span });
+    let layout = Layout::of(&machine);
+    let mut seen: Vec<Frame> = Vec::new();
+    let program = Runs::chart(&machine);
+    play(&machine, program, machine.scenarios.len() - 1, &mut |_, frame| seen.push(frame.clone()));
+    let visible = |frame: &Frame| -> Frame {
+        let hidden = layout.inputs().end..layout.given().end;
+        frame.iter().enumerate().filter(|(i, _)| !hidden.contains(i)).map(|(_, &v)| v).collect()
+    };
+    seen.iter().map(visible).eq(frames.iter().map(visible))
+}
+
+/// A text as the language writes it.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}

@@ -1,0 +1,40 @@
+//! What a chart counts, as rows of bits.
+
+use super::parts::WIDTH;
+use crate::bits::aig::{Aig, Lit};
+use crate::bits::vector::{self, Vector};
+use crate::ir::chart::{IntegerId, Machine};
+use crate::ir::number::{Comparison, Number, Relation};
+
+/// The integers at power-up.
+pub fn initial(machine: &Machine) -> Vec<Vector> {
+    machine.integers.values().map(|i| vector::fit(&vector::constant(i.initial), usize::from(WIDTH))).collect()
+}
+
+/// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
+/// that rows grow.
+pub fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
+    match number {
+        Number::Const(n) => vector::constant(*n),
+        Number::Value(i) => integers[i.index()].clone(),
+        Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
+            let value = self::number(aig, &operand.value, integers);
+            if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
+        }),
+    }
+}
+
+/// A comparison of what stands in `integers`.
+pub fn compare(aig: &mut Aig, comparison: &Comparison<IntegerId>, integers: &[Vector]) -> Lit {
+    let (left, right) = (number(aig, &comparison.left, integers), number(aig, &comparison.right, integers));
+    let difference = vector::subtract(aig, &left, &right);
+    let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
+    match comparison.relation {
+        Relation::Equal => zero,
+        Relation::Unequal => !zero,
+        Relation::Less => negative,
+        Relation::LessOrEqual => aig.or(negative, zero),
+        Relation::Greater => !aig.or(negative, zero),
+        Relation::GreaterOrEqual => !negative,
+    }
+}

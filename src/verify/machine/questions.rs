@@ -1,0 +1,203 @@
+//! What is asked of a machine: what it declares itself, and what is worth knowing of any.
+
+use super::super::aig::{Aig, Lit};
+use super::super::system::Property;
+use super::{Program, Subject, View};
+use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
+use crate::ir::scenario::{Condition, PropertyKind, Seen};
+use crate::prove::chart_numbers::compare;
+use std::collections::BTreeSet;
+
+/// One question. Where nothing else is said, the claim of the system says that it never is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// A property of the machine, by index.
+    Declared(usize),
+    /// Whether the outputs violate the constraint in spite of the filter.
+    Violated(ConstraintId),
+    /// Whether inputs that the assumptions allow always exist; the claim says that no run gets stuck.
+    Assumable,
+    /// Whether some transition can always fire sooner or later; the claim says that this is always possible.
+    Moves,
+    /// Whether the state is ever active.
+    Active(StateId),
+    /// Whether the transition ever fires.
+    Fires(TransitionId),
+    /// Whether two transitions of one source are enabled together, and only their order decides.
+    Together(TransitionId, TransitionId),
+    /// Whether the filter ever has to act for the constraint.
+    Acts(ConstraintId),
+}
+
+impl Question {
+    /// Whether a run that shows it is what one hopes for.
+    pub fn hopes_for_a_run(self, machine: &Machine) -> bool {
+        match self {
+            Question::Declared(i) => machine.properties[i].kind == PropertyKind::Reachable,
+            Question::Active(_) | Question::Fires(_) => true,
+            Question::Violated(_)
+            | Question::Assumable
+            | Question::Moves
+            | Question::Together(..)
+            | Question::Acts(_) => false,
+        }
+    }
+
+    /// Whether the machine is wrong if the answer is no; otherwise it is for people to judge.
+    pub fn is_demand(self) -> bool {
+        match self {
+            Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => true,
+            Question::Active(_) | Question::Fires(_) | Question::Together(..) | Question::Acts(_) => false,
+        }
+    }
+}
+
+impl Subject<'_> {
+    /// What can be asked whatever the program is.
+    pub(super) fn ask_about_outputs(&mut self, program: Program) {
+        let machine = self.machine;
+        for (i, p) in machine.properties.iter().enumerate() {
+            if program == Program::Any && reads_states(&p.condition) {
+                continue;
+            }
+            let holds = self.view.holds(&mut self.system.aig, machine, &p.condition);
+            let property = match p.kind {
+                PropertyKind::Never | PropertyKind::Reachable => Property::Never(holds),
+                PropertyKind::Always => Property::Never(!holds),
+                PropertyKind::AlwaysPossible => Property::AlwaysPossible(holds),
+            };
+            self.ask(Question::Declared(i), p.name.clone(), property);
+        }
+        for (id, constraint) in machine.safety.constraints.iter() {
+            // An observer may step between the filter and the end of the scan, where the condition is read.
+            let mut observes = false;
+            constraint
+                .never
+                .for_each_atom(&mut |atom| observes |= matches!(atom, Atom::Compare(_) | Atom::In(_) | Atom::Done(_)));
+            if observes {
+                continue;
+            }
+            let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
+            self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
+        }
+        if !machine.safety.assumptions.is_empty() {
+            self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), Property::NeverStuck);
+        }
+    }
+
+    /// What can be asked of charts.
+    pub(super) fn ask_about_chart(&mut self) {
+        let machine = self.machine;
+        let some = self.system.aig.any(&self.view.scan.fires);
+        if !machine.transitions.is_empty() {
+            self.ask(Question::Moves, "some transition can fire".to_owned(), Property::AlwaysPossible(some));
+        }
+        for id in machine.states.ids() {
+            let active = self.view.scan.after.active[id.index()];
+            self.ask(Question::Active(id), format!("in({})", machine.state_path(id)), Property::Never(active));
+        }
+        for (id, _) in machine.transitions.iter() {
+            let fires = self.view.scan.fires[id.index()];
+            self.ask(Question::Fires(id), format!("{} fires", transition(machine, id)), Property::Never(fires));
+        }
+        for (a, b) in rivals(machine) {
+            let enabled = &self.view.scan.enabled;
+            let both = self.system.aig.and(enabled[a.index()], enabled[b.index()]);
+            let name = format!("{} and {} together", transition(machine, a), transition(machine, b));
+            self.ask(Question::Together(a, b), name, Property::Never(both));
+        }
+        for (id, constraint) in machine.safety.constraints.iter() {
+            let acted = self.view.scan.acted[id.index()];
+            self.ask(Question::Acts(id), format!("{} acts", constraint.name), Property::Never(acted));
+        }
+    }
+}
+
+/// Whether a condition asks for states, of which an unknown program has none.
+fn reads_states(condition: &Condition) -> bool {
+    let mut reads = false;
+    condition.for_each_atom(&mut |seen| {
+        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_) | Atom::Compare(_)));
+    });
+    reads
+}
+
+/// A transition in words.
+pub fn transition(machine: &Machine, id: TransitionId) -> String {
+    let t = &machine.transitions[id];
+    format!("{} to {}", machine.state_path(t.source), machine.state_path(t.target))
+}
+
+/// Pairs of transitions that have one source and scope, lead to different states or do different things, and that
+/// no explicit priority tells apart.
+fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
+    let mut rivals = Vec::new();
+    for scoped in machine.scoped(Phase::Start) {
+        for (i, &a) in scoped.iter().enumerate() {
+            for &b in &scoped[i + 1..] {
+                let (s, t) = (&machine.transitions[a], &machine.transitions[b]);
+                let differ = s.target != t.target || s.internal != t.internal;
+                if s.source == t.source && s.priority.is_none() && t.priority.is_none() && differ {
+                    rivals.push((a, b));
+                }
+            }
+        }
+    }
+    rivals
+}
+
+impl View {
+    /// A condition at the end of the scan.
+    fn holds(&self, aig: &mut Aig, machine: &Machine, condition: &Condition) -> Lit {
+        aig.expression(condition, &mut |aig, &seen| match seen {
+            Seen::Machine(atom) => self.atom(aig, machine, atom),
+            Seen::Bit(b) => self.bits[b.index()],
+            Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::Mark(mark) => {
+                self.scan.after.marks[match mark {
+                    Mark::Noted => 0,
+                    Mark::First(c) => 1 + c.index(),
+                }]
+            }
+            Seen::Acted(c) => self.scan.acted[c.index()],
+            Seen::Broken(a) => self.scan.broken[a],
+        })
+    }
+
+    /// The condition of a constraint, which knows no states.
+    fn constraint(&self, aig: &mut Aig, never: &Guard) -> Lit {
+        aig.expression(never, &mut |_, &atom| self.signal(atom).expect("constraints read signals only"))
+    }
+
+    fn signal(&self, atom: Atom) -> Option<Lit> {
+        match atom {
+            Atom::Input(i) => Some(self.inputs[i.index()]),
+            Atom::PrevInput(i) => Some(self.past_inputs[i.index()]),
+            Atom::Output(o) => Some(self.scan.after.outputs[o.index()]),
+            Atom::PrevOutput(o) => Some(self.past_outputs[o.index()]),
+            Atom::Variable(v) => Some(self.scan.after.variables[v.index()]),
+            Atom::Event(e) => Some(self.scan.events[e.index()]),
+            Atom::Compare(_) | Atom::In(_) | Atom::Done(_) | Atom::After(..) => None,
+        }
+    }
+
+    fn atom(&self, aig: &mut Aig, machine: &Machine, atom: Atom) -> Lit {
+        let active = &self.scan.after.active;
+        match atom {
+            Atom::In(s) => active[s.index()],
+            Atom::Done(s) => {
+                let mut ended = Vec::new();
+                for &r in &machine.states[s].regions {
+                    let last =
+                        machine.regions[r].states.iter().filter(|&&s| machine.states[s].kind == StateKind::Final);
+                    let last: BTreeSet<Lit> = last.map(|s| active[s.index()]).collect();
+                    ended.push(aig.any(&last.into_iter().collect::<Vec<_>>()));
+                }
+                aig.all(&ended)
+            }
+            Atom::After(..) => Lit::FALSE,
+            Atom::Compare(c) => compare(aig, &machine.comparisons[c], &self.scan.after.integers),
+            other => self.signal(other).expect("it is a signal"),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Machines to what is true of all their runs, held against the simulators.
+
+use crate::support::models::{self, Model};
+use crate::support::rng::Rng;
+use crate::support::{items, random};
+use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
+use chartwright::pipeline::{self};
+use chartwright::simulate::run::Program as Runs;
+use chartwright::simulate::scenario::play;
+use chartwright::verify::{Choice, Limits};
+
+fn options(open: bool) -> Options {
+    Options { program: Program::Chart, open, choice: Choice::Automatic, limits: Limits::default() }
+}
+
+fn ask(text: &str, options: &Options) -> Verified {
+    let (verified, diagnostics) = verify(text, options, &|| false, &mut |_| {});
+    verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
+}
+
+fn model(name: &str) -> Model {
+    models::all().into_iter().find(|m| m.name == name).expect("the model is there")
+}
+
+fn status(verified: &Verified, question: Question) -> Status {
+    verified.answers.iter().find(|a| a.question == question).expect("it is asked").status
+}
+
+/// Questions with their verdicts, without those of which nothing is to be said.
+fn remarks(verified: &Verified) -> Vec<String> {
+    let remarks = verified.answers.iter().filter(|a| a.status != Status::Holds);
+    remarks.map(|a| format!("{:?}: {}", a.status, pipeline::verify::words(&verified.machine, a.question))).collect()
+}
+
+#[test]
+fn the_gate_keeps_its_properties() {
+    let verified = ask(&model("properties").source, &options(false));
+    let declared = (0..4).map(|i| status(&verified, Question::Declared(i)));
+    assert_eq!(declared.collect::<Vec<_>>(), [Status::Holds; 4], "{:?}", remarks(&verified));
+    assert!(verified.states.is_some());
+    // Without the plant nobody says that the gate shuts, but P1 holds all the same: it is the filter's.
+    let open = ask(&model("properties").source, &options(true));
+    assert_eq!(status(&open, Question::Declared(0)), Status::Holds);
+}
+
+#[test]
+fn a_broken_property_is_shown_by_a_scenario_that_fails() {
+    let text = model("properties").source.replace("P1: never LAMP and Shut", "P1: never LAMP and Near and Far");
+    let verified = ask(&text, &options(false));
+    let answer = &verified.answers[0];
+    assert_eq!((answer.question, answer.status), (Question::Declared(0), Status::Violated));
+    let run = answer.run.as_ref().expect("there is a run");
+    assert!(run.shortest && run.replayed == Some(true));
+    let with = format!("{text}\n{}", run.scenario);
+    let (machine, diagnostics) = pipeline::check(&with);
+    let machine = machine.unwrap_or_else(|| panic!("{}: {diagnostics:?}", run.scenario));
+    for (name, program) in pipeline::programs(&machine) {
+        let verdict = play(&machine, program, machine.scenarios.len() - 1, &mut |_, _| {});
+        let failure = verdict.failure.unwrap_or_else(|| panic!("{name} passes {}", run.scenario));
+        assert_eq!(failure.scan, run.frames.len() as u64, "{name}");
+    }
+}
+
+#[test]
+fn what_never_is_reachable_is_said() {
+    let text = model("properties").source.replace("P3: reachable LAMP and Open", "P3: reachable LAMP and Guard");
+    let verified = ask(&text, &options(false));
+    assert_eq!(status(&verified, Question::Declared(2)), Status::Violated);
+    assert!(verified.answers.iter().all(|a| a.question != Question::Declared(2) || a.run.is_none()));
+}
+
+#[test]
+fn a_filter_keeps_its_constraints_behind_any_program() {
+    for name in ["filter_simple", "filter_combined", "filter_controller", "properties"] {
+        let text = model(name).source;
+        let any = Options { program: Program::Any, ..options(true) };
+        let verified = ask(&text, &any);
+        assert!(!verified.answers.is_empty(), "{name}");
+        for answer in &verified.answers {
+            if matches!(answer.question, Question::Violated(_)) {
+                assert_eq!(answer.status, Status::Holds, "{name}: {:?}", answer.question);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_run_of_small_models_is_one_of_the_simulator() {
+    let mut runs = 0;
+    for model in models::all().into_iter().filter(|m| m.name != "indexa") {
+        for open in [false, true] {
+            let verified = ask(&model.source, &options(open));
+            for answer in &verified.answers {
+                let Some(run) = &answer.run else { continue };
+                // Times pass as a run needs them, which a fixed cycle may not give.
+                let timed = model.source.contains("after ");
+                assert!(timed || run.replayed == Some(true), "{} {open}: {:?}", model.name, answer.question);
+                runs += 1;
+            }
+        }
+    }
+    assert!(runs > 100, "{runs} runs");
+}
+
+#[test]
+fn every_run_of_random_models_is_one_of_the_simulator() {
+    let (mut runs, mut states) = (0, 0);
+    let limits = Limits { steps: 100_000, scans: 6, conflicts: 300, ..Limits::default() };
+    for seed in 0..20 {
+        let text = items::text(&random::model(seed));
+        if pipeline::check(&text).0.is_none() {
+            continue;
+        }
+        let verified = ask(&text, &Options { limits, ..options(true) });
+        let timed = text.contains("after ");
+        for answer in &verified.answers {
+            let Some(run) = &answer.run else { continue };
+            assert!(timed || run.replayed == Some(true), "{seed}: {:?}\n{text}", answer.question);
+            runs += 1;
+        }
+        // What the simulator reaches by chance is reachable.
+        let (machine, _) = pipeline::check(&text);
+        let machine = machine.expect("random models have no errors");
+        let mut run = chartwright::simulate::run::Run::new(&machine, Runs::chart(&machine));
+        let mut rng = Rng::new(seed + 1);
+        for _ in 0..40 {
+            for id in machine.inputs.ids() {
+                run.plant().force(id, Some(rng.chance(50)));
+            }
+            run.scan();
+            let broken = (0..machine.safety.assumptions.len()).any(|i| run.frame()[run.layout().broken(i)]);
+            if broken {
+                break;
+            }
+            for s in machine.states.ids().filter(|&s| run.frame()[run.layout().state(s)]) {
+                assert_ne!(status(&verified, Question::Active(s)), Status::Violated, "{seed} {s:?}\n{text}");
+                states += 1;
+            }
+        }
+    }
+    assert!(runs > 100 && states > 500, "{runs} runs, {states} states");
+}

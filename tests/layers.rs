@@ -12,6 +12,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("bits", &["base", "ir"]),
     ("ir", &["base"]),
     ("parse", &["base", "ir"]),
+    ("derive", &["base", "ir"]),
     ("resolve", &["base", "ir"]),
     ("constraints", &["base", "bits", "ir"]),
     ("check", &["base", "bits", "constraints", "ir"]),
@@ -25,9 +26,22 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("verify", &["base", "bits", "ir"]),
     (
         "pipeline",
-        &["base", "constraints", "ir", "parse", "resolve", "check", "lower", "emit", "read", "prove", "simulate"],
+        &[
+            "base",
+            "constraints",
+            "derive",
+            "ir",
+            "parse",
+            "resolve",
+            "check",
+            "lower",
+            "emit",
+            "read",
+            "prove",
+            "simulate",
+        ],
     ),
-    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats"]),
+    ("cli", &["base", "constraints", "derive", "ir", "parse", "pipeline", "simulate", "stats"]),
 ];
 
 #[test]

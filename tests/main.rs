@@ -2,6 +2,7 @@
 
 mod cli;
 mod constraints;
+mod derive;
 mod docs;
 mod emit;
 mod explain;
@@ -11,6 +12,7 @@ mod invalid;
 mod layers;
 mod layout;
 mod licences;
+mod machines;
 mod mutants;
 mod never_entered;
 mod observers;

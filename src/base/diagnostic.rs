@@ -224,6 +224,11 @@ codes! {
     NoSafeOutputs "E412" "no outputs meet all constraints",
     UnsafeFilter "E413" "a program's filter lets through what a constraint forbids",
     NothingPossible "E414" "assumptions exclude every case",
+    NothingDerived "E420" "a name means nothing that constraints could be derived from",
+    ValveNeeded "E421" "what keeps an actuator away depends on its valve, which is not declared",
+    BadForbid "E422" "positions are forbidden that cannot be told or kept",
+    BadValve "E423" "a valve does not fit its actuator or the plant",
+    NotKept "E424" "positions are forbidden and nothing prevents them",
 
     NotPlcopen "E601" "the file is not PLCopen XML",
     NotUnderstood "E602" "a construct of the PLC project is not understood",

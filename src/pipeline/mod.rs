@@ -8,7 +8,7 @@ use crate::ir::plc::Project;
 use crate::ir::scenario::{Condition, Doing};
 use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
-use crate::{check, lower, parse, read, resolve};
+use crate::{check, derive, lower, parse, read, resolve};
 
 pub use crate::emit::Dialect;
 pub use crate::prove::Statistics;
@@ -16,7 +16,8 @@ pub use crate::prove::Statistics;
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
-    let Some(tree) = tree else { return (None, diagnostics) };
+    let Some(mut tree) = tree else { return (None, diagnostics) };
+    diagnostics.append(derive::expand(&mut tree));
     let (mut machine, found) = resolve::resolve(&tree);
     diagnostics.append(found);
     if !diagnostics.has_errors() {
@@ -31,8 +32,10 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
 /// who yields, there are errors among the diagnostics, and an analysis all the same.
 pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
-    let Some(tree) = tree else { return (None, diagnostics) };
-    let (mut machine, found) = resolve::resolve(&tree);
+    let Some(mut tree) = tree else { return (None, diagnostics) };
+    diagnostics.append(derive::expand(&mut tree));
+    let (mut machine, mut found) = resolve::resolve(&tree);
+    found.append(std::mem::take(&mut diagnostics));
     let harmless = [Code::NobodyYields, Code::CannotYield];
     let whole = found.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
     let resolved = !found.has_errors();
@@ -42,6 +45,17 @@ pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
     }
     diagnostics.sort();
     (whole.then(|| Analysis::of(&machine)), diagnostics)
+}
+
+/// Text to the constraints that can be derived from its actuators and forbidden positions, whether the model
+/// asks for them or not.
+pub fn derivable(source: &str) -> (Vec<derive::Derived>, Diagnostics) {
+    let (tree, mut diagnostics) = parse::parse(source);
+    let Some(tree) = tree else { return (Vec::new(), diagnostics) };
+    let (all, found) = derive::everything(&tree, false);
+    diagnostics.append(found);
+    diagnostics.sort();
+    (all, diagnostics)
 }
 
 /// A machine without errors to its PLC project.

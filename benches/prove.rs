@@ -3,6 +3,7 @@
 //! `cargo bench --bench prove`.
 
 mod generator;
+mod many_constraints;
 
 use chartwright::pipeline::{self, Dialect, Options, Output};
 use chartwright::prove::{Correspondence, Verdict, equivalence};
@@ -42,6 +43,14 @@ fn indexa_read(bencher: Bencher) {
 fn indexa_read_and_proved(bencher: Bencher) {
     let output = indexa();
     bencher.bench(|| prove(&output));
+}
+
+/// 500 outputs and 2,000 constraints, from the text to the proof.
+#[divan::bench(sample_count = 2)]
+fn constraints_analysed_and_proved(bencher: Bencher) {
+    let source = many_constraints::many(500, 2_000);
+    let options = Options { dialect: Dialect::Beremiz, created: "1970-01-01T00:00:00".into(), prove: true };
+    bencher.bench(|| assert!(pipeline::build(&source, &options).0.is_some(), "a build is proved"));
 }
 
 #[divan::bench(args = SIZES, sample_count = 2)]

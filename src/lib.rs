@@ -7,6 +7,7 @@
 //! | stage | from | to |
 //! | --- | --- | --- |
 //! | [`parse`] | text | syntax tree |
+//! | [`mod@derive`] | syntax tree | syntax tree with derived constraints |
 //! | [`resolve`] | syntax tree | machine |
 //! | [`check`] | machine | diagnostics |
 //! | [`lower`] | machine | PLC project |
@@ -31,6 +32,7 @@ pub mod bits;
 pub mod check;
 pub mod cli;
 pub mod constraints;
+pub mod derive;
 pub mod emit;
 pub mod ir;
 pub mod layout;

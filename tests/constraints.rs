@@ -376,14 +376,11 @@ fn redundancy_is_exact() {
     assert!(dropped > 50, "{dropped}");
 }
 
+/// How long it takes, `cargo bench --bench constraints` says.
 #[test]
-fn a_large_set_is_analysed_in_seconds() {
-    let source = many_constraints::many(500, 2_000);
-    let begin = std::time::Instant::now();
-    let analysis = analyse(&source);
-    let took = begin.elapsed();
+fn a_large_set_is_analysed() {
+    let analysis = analyse(&many_constraints::many(500, 2_000));
     assert_eq!(analysis.constraints.len(), 2_000);
     assert!(analysis.combined.len() > 500 && !analysis.redundant.is_empty());
-    println!("{took:?}");
-    assert!(took.as_secs() < 20, "{took:?}");
+    assert!(broken(&analysis).is_empty());
 }

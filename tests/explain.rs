@@ -13,6 +13,7 @@ const WITHOUT_EXAMPLE: &[(Code, &str)] = &[
     (Code::TooLarge, "it would have 16 MiB"),
     (Code::TooDeep, "64 parentheses in a row say less than a sentence"),
     (Code::TooManyStates, "it would have 150 states"),
+    (Code::UnsafeFilter, "it takes an edited program"),
 ];
 
 /// Whether the code is about PLC projects, whose files are too long for a page.

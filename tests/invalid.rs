@@ -8,8 +8,14 @@ use std::fs;
 const MODELS: &str = "models/invalid";
 const SNAPSHOTS: &str = "snapshots/invalid";
 
-/// Codes whose model is not in the repository. `tests/cli.rs` makes one.
-const ELSEWHERE: &[(Code, &str)] = &[(Code::TooLarge, "it has 16 MiB")];
+/// Codes whose model is not in the repository. `tests/cli.rs` makes the large one.
+const ELSEWHERE: &[(Code, &str)] = &[
+    (Code::TooLarge, "it has 16 MiB"),
+    (
+        Code::UnsafeFilter,
+        "it takes an edited program; `tests/program_mutants.rs` makes some, and `tests/filters.rs` goes behind the checks",
+    ),
+];
 
 /// The code that a file is named after.
 fn code_of(file: &str) -> Code {

@@ -12,6 +12,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("bits", &["base", "ir"]),
     ("ir", &["base"]),
     ("parse", &["base", "ir"]),
+    ("derive", &["base", "ir"]),
     ("resolve", &["base", "ir"]),
     ("constraints", &["base", "bits", "ir"]),
     ("check", &["base", "bits", "constraints", "ir"]),
@@ -29,6 +30,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "base",
             "constraints",
+            "derive",
             "ir",
             "parse",
             "resolve",
@@ -41,7 +43,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "verify",
         ],
     ),
-    ("cli", &["base", "constraints", "ir", "parse", "pipeline", "simulate", "stats", "verify"]),
+    ("cli", &["base", "constraints", "derive", "ir", "parse", "pipeline", "simulate", "stats", "verify"]),
 ];
 
 #[test]

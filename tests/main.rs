@@ -2,14 +2,17 @@
 
 mod cli;
 mod constraints;
+mod derive;
 mod docs;
 mod emit;
 mod explain;
+mod filters;
 mod indexa_by_chance;
 mod invalid;
 mod layers;
 mod layout;
 mod licences;
+mod machines;
 mod mutants;
 mod never_entered;
 mod observers;

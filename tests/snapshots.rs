@@ -4,7 +4,7 @@ use crate::support::models::{self, Model};
 use chartwright::base::LineIndex;
 use chartwright::emit::{self, Dialect, Header, names};
 use chartwright::ir::{outline, source, text};
-use chartwright::{check, lower, parse, resolve};
+use chartwright::{check, derive, lower, parse, resolve};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -30,9 +30,12 @@ fn stages(model: &Model) -> [String; 7] {
     let (tree, diagnostics) = parse::parse(&model.source);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
     let tree = tree.expect("a model without errors has a tree");
-    let (machine, diagnostics) = resolve::resolve(&tree);
+    let mut whole = tree.clone();
+    let diagnostics = derive::expand(&mut whole);
     assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let diagnostics = check::check(&machine);
+    let (mut machine, diagnostics) = resolve::resolve(&whole);
+    assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
+    let diagnostics = check::check(&mut machine);
     // What is known of some models, and meant so.
     let known: &[&str] = if model.name == "palletizer" { &["W502", "W503"] } else { &[] };
     assert!(diagnostics.iter().all(|d| known.contains(&d.code.number())), "{}: {diagnostics:?}", model.name);
@@ -57,7 +60,11 @@ fn a_tree_written_as_text_reads_back_as_the_same_text() {
         assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", model.name);
         assert_eq!(source::source(&again.expect("no errors, so a tree")), once, "{}", model.name);
         // And it means the same, not only looks the same.
-        let machine = |text: &str| outline::outline(&resolve::resolve(&parse::parse(text).0.unwrap()).0);
+        let machine = |text: &str| {
+            let mut tree = parse::parse(text).0.expect("models have no errors");
+            derive::expand(&mut tree);
+            outline::outline(&resolve::resolve(&tree).0)
+        };
         assert_eq!(machine(&once), machine(&model.source), "{}", model.name);
     }
 }

@@ -38,3 +38,6 @@ pub const REPORTED_ERRORS: usize = 50;
 /// Longest time of a plant or scenario, in scans, longest scenario with all that it repeats, and longest
 /// run that is recorded.
 pub const SCENARIO_SCANS: u32 = 1_000_000;
+
+/// Most sweeps that reliefs in order may take: all of them are written out as rungs.
+pub const SWEEPS: usize = 32;

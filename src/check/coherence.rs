@@ -3,16 +3,26 @@
 
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::constraints::properties::{self, Kind, Violation};
-use crate::ir::chart::Machine;
+use crate::constraints::questions::Witness;
+use crate::constraints::safe;
+use crate::ir::chart::{Machine, Relief};
 use crate::ir::relief::Reliefs;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
+    if machine.safety.relief != Relief::Together {
+        return; // What is in order is another matter.
+    }
     let reliefs = Reliefs::of(&machine.safety);
     let constraints = &machine.safety.constraints;
     let violations = properties::violations(machine, &reliefs);
     let coherent = violations.is_empty();
     violations.iter().for_each(|v| found.push(describe(machine, v)));
     if !coherent {
+        if violations.iter().all(|v| v.kind != Kind::Forced)
+            && let Some(witness) = safe::hopeless(machine)
+        {
+            found.push(no_safe_outputs(machine, &witness));
+        }
         return; // What is said of a cycle holds only for constraints that are coherent.
     }
     for cycle in &reliefs.cycles {
@@ -28,7 +38,16 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
     }
 }
 
-fn describe(machine: &Machine, violation: &Violation) -> Diagnostic {
+/// Constraints that nobody can meet.
+pub fn no_safe_outputs(machine: &Machine, witness: &Witness) -> Diagnostic {
+    Diagnostic::new(Code::NoSafeOutputs, "no outputs meet all constraints")
+        .label(machine.safety.span, "whoever yields")
+        .help(format!("there are none when {}", witness.show(machine)))
+        .help("add a condition to one of the constraints, or `assume` that this cannot happen")
+}
+
+/// A violated property in words.
+pub fn describe(machine: &Machine, violation: &Violation) -> Diagnostic {
     let [a, b] = violation.constraints.map(|c| &machine.safety.constraints[c]);
     let output = &machine.outputs[violation.output].name;
     let case = violation.witness.show(machine);

@@ -6,9 +6,11 @@
 //! - every state can be entered, so every step of every SFC is reached from its initial step;
 //! - observers know nothing of control charts;
 //! - no variable is written by two regions in one scan, no actuator driven both ways;
+//! - it says how many sweeps reliefs in order take, and after these no constraint is violated;
 //! - the corrected filter algorithm leaves no constraint violated (properties 0, 1, 3, 4 and the
 //!   absence of opposite reliefs, under the declared assumptions).
 
+mod assumed;
 mod coherence;
 mod dead;
 mod done;
@@ -16,6 +18,7 @@ mod entered;
 mod fires;
 mod observers;
 mod opposed_drives;
+mod order;
 mod priorities;
 mod relation;
 mod size;
@@ -26,7 +29,7 @@ use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
 
 /// Applies every rule.
-pub fn check(machine: &Machine) -> Diagnostics {
+pub fn check(machine: &mut Machine) -> Diagnostics {
     let mut found = Diagnostics::new();
     size::check(machine, &mut found);
     entered::check(machine, &mut found);
@@ -36,7 +39,9 @@ pub fn check(machine: &Machine) -> Diagnostics {
     observers::check(machine, &mut found);
     writes::check(machine, &mut found);
     opposed_drives::check(machine, &mut found);
+    assumed::check(machine, &mut found);
     coherence::check(machine, &mut found);
+    order::check(machine, &mut found);
     unused::check(machine, &mut found);
     found
 }

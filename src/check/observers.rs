@@ -1,4 +1,5 @@
-//! Observers know only what observers decide, do not count, and one that is tried again after the filter is flat.
+//! Observers know only what observers decide, do not count, and one that is tried again after the filter is
+//! flat.
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::chart::{Atom, ChartKind, Machine, Phase};

@@ -274,6 +274,7 @@ pub enum Trace {
 #[command(after_long_help = "\
 Examples:
   chartwright constraints door.chart
+  chartwright constraints --derive door.chart
   chartwright constraints --format json door.chart
   chartwright constraints --format dot door.chart | dot -Tsvg -O
 
@@ -284,6 +285,11 @@ Exit codes:
 pub struct Constraints {
     /// The model.
     pub file: PathBuf,
+
+    /// Print the constraints that follow from actuators and forbidden positions, as a model would write
+    /// them, instead of the analysis.
+    #[arg(long)]
+    pub derive: bool,
 
     /// How to show the analysis, on standard output.
     #[arg(long, value_enum, default_value_t = Form::Text)]

@@ -1,9 +1,11 @@
-//! A model to an analysis of its constraints.
+//! A model to an analysis of its constraints, or to those that can be derived.
 
 use super::args::{Constraints as Args, Form, Format};
 use super::report::Report;
-use super::{Outcome, files, finish, read};
+use super::{Outcome, files, finish, read, usage};
 use crate::constraints::Analysis;
+use crate::derive::Derived;
+use crate::ir::source;
 use crate::pipeline;
 use serde::Serialize;
 
@@ -13,8 +15,27 @@ struct Result {
     constraints: Option<Analysis>,
 }
 
+/// What can be derived, for the JSON document.
+#[derive(Serialize)]
+struct Derivable {
+    derived: Vec<Item>,
+}
+
+/// One derived constraint.
+#[derive(Serialize)]
+struct Item {
+    name: String,
+    /// What it is derived from.
+    from: Vec<String>,
+    /// As a model writes it.
+    source: String,
+}
+
 /// Runs `chartwright constraints`.
 pub fn run(args: &Args) -> Outcome {
+    if args.derive {
+        return derive(args);
+    }
     let mut report = Report::default();
     let analysis = read(&args.file, &mut report, pipeline::constraints).flatten();
     let (text, format) = match args.format {
@@ -27,4 +48,38 @@ pub fn run(args: &Args) -> Outcome {
         let _ = files::print(&text);
     }
     finish("constraints", format, &report, &Result { constraints: analysis })
+}
+
+fn derive(args: &Args) -> Outcome {
+    let format = match args.format {
+        Form::Text => Format::Human,
+        Form::Json => Format::Json,
+        Form::Dot => return usage("constraints", "there is no graph of what can be derived"),
+    };
+    let mut report = Report::default();
+    let all = read(&args.file, &mut report, pipeline::derivable).unwrap_or_default();
+    if format == Format::Human && !all.is_empty() {
+        let _ = files::print(&text(&all));
+    }
+    let item = |d: Derived| Item {
+        name: d.constraint.name.text.clone(),
+        source: source::constraint(&d.constraint),
+        from: d.sources,
+    };
+    finish("constraints", format, &report, &Derivable { derived: all.into_iter().map(item).collect() })
+}
+
+/// The constraints, each group below what it is derived from.
+fn text(all: &[Derived]) -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for d in all {
+        if last != Some(&d.sources) {
+            text += &format!("// from {}\n", d.sources.join(", "));
+            last = Some(&d.sources);
+        }
+        text += &source::constraint(&d.constraint);
+        text.push('\n');
+    }
+    text
 }

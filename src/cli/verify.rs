@@ -190,13 +190,14 @@ fn human(verified: &Verified, time: Duration) -> String {
         }
         text.push('\n');
     }
-    let tally: [(&str, fn(Question) -> bool); 3] = [
-        ("constraints are kept", |q| matches!(q, Question::Violated(_))),
-        ("states are reachable", |q| matches!(q, Question::Active(_))),
-        ("transitions can fire", |q| matches!(q, Question::Fires(_))),
-    ];
-    for (what, is) in tally {
-        let asked: Vec<&Answer> = verified.answers.iter().filter(|a| is(a.question)).collect();
+    let kind = |question| match question {
+        Question::Violated(_) => "constraints are kept",
+        Question::Active(_) => "states are reachable",
+        Question::Fires(_) => "transitions can fire",
+        _ => "",
+    };
+    for what in ["constraints are kept", "states are reachable", "transitions can fire"] {
+        let asked: Vec<&Answer> = verified.answers.iter().filter(|a| kind(a.question) == what).collect();
         if !asked.is_empty() {
             let hold = asked.iter().filter(|a| a.status == Status::Holds).count();
             let _ = writeln!(text, "{hold} of {} {what}", asked.len());

@@ -4,6 +4,8 @@
 //! | --- | --- |
 //! | [`questions`] | asks a solver what the filter may meet |
 //! | [`properties`] | whether it can always meet all constraints |
+//! | [`sweeps`] | how many sweeps `relief in-order` takes |
+//! | [`safe`] | whether any outputs meet all constraints |
 //! | [`redundancy`] | constraints that the others imply |
 //! | [`graphs`] | the matrices and graphs of seed 001 |
 //! | [`analysis`] | all of it, in names and texts |
@@ -15,7 +17,9 @@ pub mod graphs;
 pub mod properties;
 pub mod questions;
 pub mod redundancy;
+pub mod safe;
 mod show;
+pub mod sweeps;
 pub mod words;
 
 pub use analysis::Analysis;

@@ -51,21 +51,31 @@ pub struct Violation {
     pub witness: Witness,
 }
 
-/// All violations, at most [`limits::REPORTED_ERRORS`] of them, in order of property and output.
-pub fn violations(machine: &Machine, reliefs: &Reliefs) -> Vec<Violation> {
+/// The contradictions between simple constraints alone, in order of output.
+pub fn contradictions(machine: &Machine, reliefs: &Reliefs) -> Vec<Violation> {
+    forced_both_ways(&mut Questions::new(machine), reliefs, &Forced::of(machine, reliefs))
+}
+
+fn forced_both_ways(questions: &mut Questions<'_>, reliefs: &Reliefs, forced: &Forced) -> Vec<Violation> {
     let mut found = Vec::new();
-    let mut questions = Questions::new(machine);
-    let forced = Forced::of(machine, reliefs);
-    for (output, [off, on]) in machine.outputs.ids().zip(&forced.by_output) {
+    for (output, [off, on]) in questions.machine().outputs.ids().zip(&forced.by_output) {
         // One pair per output is enough to start with.
         let pairs = off.iter().flat_map(|&i| on.iter().map(move |&j| (i, j)));
         let hit = pairs.into_iter().find_map(|(i, j)| {
             let (a, b) = (&reliefs.forcings[i], &reliefs.forcings[j]);
-            let witness = together(&mut questions, &a.condition.times(&b.condition)?)?;
+            let witness = together(questions, &a.condition.times(&b.condition)?)?;
             Some(Violation { kind: Kind::Forced, output, constraints: [a.constraint, b.constraint], witness })
         });
         found.extend(hit);
     }
+    found
+}
+
+/// All violations, at most [`limits::REPORTED_ERRORS`] of them, in order of property and output.
+pub fn violations(machine: &Machine, reliefs: &Reliefs) -> Vec<Violation> {
+    let mut questions = Questions::new(machine);
+    let forced = Forced::of(machine, reliefs);
+    let mut found = forced_both_ways(&mut questions, reliefs, &forced);
     let suspects = suspects(machine, reliefs, &forced, &mut questions);
     if !suspects.is_empty() {
         let run = Run::of(&mut questions, reliefs, &forced);

@@ -48,7 +48,10 @@ pub fn redundant(machine: &Machine) -> Vec<Redundant> {
     found
 }
 
-/// Some of the others that imply this one, no more than the solver needs.
+/// Longest list of reasons in which each is tried whether it is needed.
+const SHORTENED: usize = 64;
+
+/// Some of the others that imply this one; where these are few, none of them is superfluous.
 fn reasons(questions: &mut Questions<'_>, violated: &[Lit], i: usize) -> Vec<usize> {
     let mut others: Vec<usize> = (0..violated.len()).filter(|&j| j != i).collect();
     loop {
@@ -56,8 +59,20 @@ fn reasons(questions: &mut Questions<'_>, violated: &[Lit], i: usize) -> Vec<usi
         let Found::Never = questions.ask(&goals) else { return others };
         let needed: Vec<usize> = others.iter().copied().filter(|&j| questions.was_needed(!violated[j])).collect();
         if needed.len() == others.len() {
-            return others;
+            break;
         }
         others = needed;
     }
+    if others.len() > SHORTENED {
+        return others;
+    }
+    // What the solver needed it may not need without another.
+    for j in others.clone() {
+        let rest: Vec<usize> = others.iter().copied().filter(|&k| k != j).collect();
+        let goals: Vec<Lit> = rest.iter().map(|&j| !violated[j]).chain([violated[i]]).collect();
+        if let Found::Never = questions.ask(&goals) {
+            others = rest;
+        }
+    }
+    others
 }

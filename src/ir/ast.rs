@@ -9,8 +9,10 @@ pub use super::property::{Property, PropertyKind};
 use crate::base::Span;
 
 mod functions;
+mod safety;
 mod ways;
 pub use functions::{Function, Job, Sequence, SequenceDoing, SequenceStep};
+pub use safety::{Constraint, Derive, Forbid, Place, Safety, Valve};
 pub use ways::{Branch, Choice, Source, Target};
 
 /// A word with its place: a declared name or one part of a path.
@@ -140,6 +142,8 @@ pub struct Actuator {
     pub technology: Technology,
     /// Where the technology stands.
     pub technology_span: Span,
+    /// `valve …` and where its kind stands.
+    pub valve: Option<(Valve, Span)>,
     /// `by OUTPUT` of the short form.
     pub by: Option<Name>,
     /// What it is.
@@ -436,34 +440,6 @@ pub struct Action {
     pub value: bool,
     /// Its condition.
     pub condition: Option<Guard>,
-}
-
-/// `safety supervisor relief in-order reset by Ack { … }`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Safety {
-    /// `supervisor`, where it stands.
-    pub mode: Name,
-    /// `relief in-order`, where it stands.
-    pub in_order: Option<Span>,
-    /// `reset by …`.
-    pub reset: Option<Name>,
-    /// The constraints in order.
-    pub constraints: Vec<Constraint>,
-    /// The assumptions in order.
-    pub assumptions: Vec<Constraint>,
-}
-
-/// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Constraint {
-    /// Its name.
-    pub name: Name,
-    /// What must never be TRUE.
-    pub never: Guard,
-    /// Who gives way.
-    pub yields: Vec<Name>,
-    /// Why, in words for the operator.
-    pub text: Option<Text>,
 }
 
 /// A time: `100ms`, `2s`, `3 scans`.

@@ -203,8 +203,13 @@ impl Writer {
             Technology::Monostable => "monostable",
             Technology::OnOff => "onoff",
         };
-        let head =
-            format!("actuator {} {technology}{}{}", a.name.text, clause("by", a.by.as_ref()), text(&a.description));
+        let valve = match a.valve {
+            None => "",
+            Some((Valve::ClosedCentre, _)) => " valve closed-centre",
+            Some((Valve::Memory, _)) => " valve memory",
+        };
+        let (by, about) = (clause("by", a.by.as_ref()), text(&a.description));
+        let head = format!("actuator {} {technology}{valve}{by}{about}", a.name.text);
         if a.positions.is_empty() {
             return self.line(format_args!("{head}"));
         }
@@ -303,12 +308,32 @@ impl Writer {
             for a in &s.assumptions {
                 w.line(format_args!("assume {}: never {}{}", a.name.text, condition(&a.never), text(&a.text)))?;
             }
-            s.constraints.iter().try_for_each(|c| {
-                let yields: Vec<&str> = c.yields.iter().map(|y| y.text.as_str()).collect();
-                let yields = if yields.is_empty() { String::new() } else { format!(" yields {}", yields.join(", ")) };
-                w.line(format_args!("{}: never {}{yields}{}", c.name.text, condition(&c.never), text(&c.text)))
-            })
+            for f in &s.forbids {
+                let (first, word, second) =
+                    (place(&f.first), if f.unless { "unless" } else { "and" }, place(&f.second));
+                w.line(format_args!("{}: forbid {first} {word} {second}{}", f.name.text, text(&f.text)))?;
+            }
+            for d in &s.derives {
+                let names = if d.names.is_empty() { "all".to_owned() } else { list(&d.names) };
+                let edges = if d.edges.is_some() { " by edges" } else { "" };
+                let except = if d.except.is_empty() { String::new() } else { format!(" except {}", list(&d.except)) };
+                w.line(format_args!("derive {names}{edges}{except}"))?;
+            }
+            s.constraints.iter().try_for_each(|c| w.line(format_args!("{}", constraint(c))))
         })
+    }
+}
+
+/// A constraint as a model writes it.
+pub fn constraint(c: &Constraint) -> String {
+    let yields = if c.yields.is_empty() { String::new() } else { format!(" yields {}", list(&c.yields)) };
+    format!("{}: never {}{yields}{}", c.name.text, condition(&c.never), text(&c.text))
+}
+
+fn place(place: &Place) -> String {
+    match &place.position {
+        Some(position) => format!("{} at {}", place.actuator.text, position.text),
+        None => format!("{} between", place.actuator.text),
     }
 }
 

@@ -3,7 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
-use super::{Rule, functions, numbers, properties, scenarios, ways};
+use super::{Rule, derive, functions, numbers, properties, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
@@ -162,6 +162,7 @@ fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
         name: Name { text: String::new(), span: place },
         technology: Technology::OnOff,
         technology_span: place,
+        valve: None,
         by: None,
         description: None,
         positions: Vec::new(),
@@ -181,6 +182,11 @@ fn actuator<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Actuator {
                     "monostable" => Technology::Monostable,
                     _ => Technology::OnOff,
                 };
+            }
+            Rule::valve => {
+                let kind = p.into_inner().find(|p| p.as_rule() == Rule::valve_kind).expect("a valve is of a kind");
+                let valve = if kind.as_str() == "memory" { Valve::Memory } else { Valve::ClosedCentre };
+                actuator.valve = Some((valve, span(&kind)));
             }
             Rule::text => actuator.description = Some(text(p)),
             Rule::position => actuator.positions.push(position(p)),
@@ -447,6 +453,8 @@ fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
         reset: None,
         constraints: Vec::new(),
         assumptions: Vec::new(),
+        forbids: Vec::new(),
+        derives: Vec::new(),
     };
     for p in p.into_inner() {
         match p.as_rule() {
@@ -455,6 +463,8 @@ fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
             Rule::reset_by => safety.reset = p.into_inner().find(|p| p.as_rule() == Rule::name).map(name),
             Rule::constraint => safety.constraints.push(constraint(p)),
             Rule::assumption => safety.assumptions.push(constraint(p)),
+            Rule::forbid => safety.forbids.push(derive::forbid(p)),
+            Rule::derive => safety.derives.push(derive::derive(p)),
             Rule::bad_constraint => bad.push(p),
             _ => {}
         }

@@ -7,6 +7,7 @@
 //! strictly, which yields a place and what was expected there; so one run reports several errors.
 
 mod build;
+mod derive;
 mod functions;
 mod numbers;
 mod properties;

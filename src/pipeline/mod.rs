@@ -8,9 +8,9 @@ use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
 use crate::ir::scenario::{Condition, Doing};
-use crate::prove::{self, Verdict};
+use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
-use crate::{check, lower, parse, read, resolve};
+use crate::{check, derive, lower, parse, read, resolve};
 
 pub use crate::emit::Dialect;
 pub use crate::prove::Statistics;
@@ -18,11 +18,12 @@ pub use crate::prove::Statistics;
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
-    let Some(tree) = tree else { return (None, diagnostics) };
-    let (machine, found) = resolve::resolve(&tree);
+    let Some(mut tree) = tree else { return (None, diagnostics) };
+    diagnostics.append(derive::expand(&mut tree));
+    let (mut machine, found) = resolve::resolve(&tree);
     diagnostics.append(found);
     if !diagnostics.has_errors() {
-        diagnostics.append(check::check(&machine));
+        diagnostics.append(check::check(&mut machine));
     }
     diagnostics.sort();
     let machine = (!diagnostics.has_errors()).then_some(machine);
@@ -33,17 +34,30 @@ pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
 /// who yields, there are errors among the diagnostics, and an analysis all the same.
 pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
     let (tree, mut diagnostics) = parse::parse(source);
-    let Some(tree) = tree else { return (None, diagnostics) };
-    let (machine, found) = resolve::resolve(&tree);
+    let Some(mut tree) = tree else { return (None, diagnostics) };
+    diagnostics.append(derive::expand(&mut tree));
+    let (mut machine, mut found) = resolve::resolve(&tree);
+    found.append(std::mem::take(&mut diagnostics));
     let harmless = [Code::NobodyYields, Code::CannotYield];
     let whole = found.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
     let resolved = !found.has_errors();
     diagnostics.append(found);
     if resolved {
-        diagnostics.append(check::check(&machine));
+        diagnostics.append(check::check(&mut machine));
     }
     diagnostics.sort();
     (whole.then(|| Analysis::of(&machine)), diagnostics)
+}
+
+/// Text to the constraints that can be derived from its actuators and forbidden positions, whether the model
+/// asks for them or not.
+pub fn derivable(source: &str) -> (Vec<derive::Derived>, Diagnostics) {
+    let (tree, mut diagnostics) = parse::parse(source);
+    let Some(tree) = tree else { return (Vec::new(), diagnostics) };
+    let (all, found) = derive::everything(&tree, false);
+    diagnostics.append(found);
+    diagnostics.sort();
+    (all, diagnostics)
 }
 
 /// A machine without errors to its PLC project.
@@ -166,6 +180,13 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
                 .help("the table shows the run that leads there, chart beside program"),
             );
             (Judgement::Refuted(trace.to_string()), diagnostics)
+        }
+        Verdict::Unknown(doubt) if matches!(*doubt, Doubt::Unsafe(_)) => {
+            diagnostics.push(
+                Diagnostic::new(Code::UnsafeFilter, doubt.to_string())
+                    .help("the program does what the chart says, and its filter is weaker than the constraints"),
+            );
+            (Judgement::Undecided, diagnostics)
         }
         Verdict::Unknown(doubt) => {
             diagnostics.push(

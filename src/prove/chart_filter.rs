@@ -11,6 +11,7 @@
 //! With `relief in-order` (seed 003) the machine says how many sweeps are made. That they suffice is
 //! proved as well, under the assumptions.
 
+use super::configuration;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::sat::{Answer, Budget, Sat};
 use crate::ir::chart::{Atom, FilterMode, Machine, OutputId, Relief};
@@ -85,8 +86,12 @@ pub fn rounds(machine: &Machine, sat: &mut Sat) -> Option<usize> {
 fn sweeps_suffice(machine: &Machine, sat: &mut Sat, sweeps: usize) -> bool {
     let mut aig = Aig::new();
     let commands: Vec<Lit> = machine.outputs.values().map(|o| aig.leaf(&o.name)).collect();
+    let active = configuration::active(&mut aig, machine);
     let mut readings = HashMap::new();
-    let mut read = |aig: &mut Aig, atom: Atom| *readings.entry(atom).or_insert_with(|| aig.leaf(machine.atom(atom)));
+    let mut read = |aig: &mut Aig, atom: Atom| match atom {
+        Atom::In(s) => active[s.index()],
+        other => *readings.entry(other).or_insert_with(|| aig.leaf(machine.atom(other))),
+    };
     let mut run = Run::new(&mut aig, machine, &commands, &mut read);
     let selected = run.decide(&mut aig, sweeps);
     let violated = run.violated(&mut aig, &selected);

@@ -78,6 +78,8 @@ pub struct ChartScan {
     pub broken: Vec<Lit>,
     /// For each timer, whether this is the first scan that began in its state.
     pub begins: Vec<Lit>,
+    /// What constraints read, outputs of this scan apart, as it is when the filter runs.
+    pub readings: BTreeMap<Atom, Lit>,
 }
 
 /// What the scans of one machine share.
@@ -402,6 +404,14 @@ impl<'m> ChartStep<'m> {
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
         let filtered = chart_filter::filter(aig, m, &commands, &given.before.marks, &mut read, self.rounds);
+        let mut readings = BTreeMap::new();
+        for constraint in m.safety.constraints.values() {
+            constraint.never.for_each_atom(&mut |&atom| {
+                if !matches!(atom, Atom::Output(_)) {
+                    readings.entry(atom).or_insert_with(|| reading.atom(aig, atom));
+                }
+            });
+        }
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
@@ -426,16 +436,8 @@ impl<'m> ChartStep<'m> {
             last,
             integers,
         };
-        ChartScan {
-            after,
-            events: given.before.raised.clone(),
-            fires,
-            enabled,
-            commands,
-            acted: filtered.acted,
-            broken,
-            begins,
-        }
+        let events = given.before.raised.clone();
+        ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins, readings }
     }
 }
 

@@ -21,13 +21,7 @@ use crate::ir::number::Range;
 /// passed in a state that has just been entered, and that the last state of a region is its active one,
 /// or one or none of its states while it is not active.
 pub fn any(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>) -> ChartState {
-    let mut active = vec![Lit::FALSE; machine.states.len()];
-    for (id, region) in machine.regions.iter() {
-        let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
-        let path = machine.region_path(id);
-        let mut bits = Vec::new();
-        decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
-    }
+    let active = active(aig, machine);
     let last = last(aig, machine, chart, &active);
     let (mut fresh, mut past) = (Vec::new(), Vec::new());
     for (s, ms) in chart.timers() {
@@ -48,6 +42,18 @@ pub fn any(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>) -> ChartStat
         marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
         integers: machine.integers.values().map(|i| within(aig, i)).collect(),
     }
+}
+
+/// For each state, whether it is active, in a configuration of which no more is known.
+pub fn active(aig: &mut Aig, machine: &Machine) -> Vec<Lit> {
+    let mut active = vec![Lit::FALSE; machine.states.len()];
+    for (id, region) in machine.regions.iter() {
+        let parent = region.parent.map_or(Lit::TRUE, |p| active[p.index()]);
+        let path = machine.region_path(id);
+        let mut bits = Vec::new();
+        decode(aig, &region.states, parent, (0, &mut bits), &path, &mut active);
+    }
+    active
 }
 
 /// The last states of regions with a history.

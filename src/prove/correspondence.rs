@@ -5,7 +5,7 @@
 //! program: that the variable of this name does hold what the machine says is what is to be proved.
 
 use crate::base::Span;
-use crate::ir::chart::{Machine, Mark, StateId};
+use crate::ir::chart::{Constraint, Machine, Mark, StateId};
 use crate::ir::plc::{Body, Project, Role};
 use std::collections::BTreeMap;
 
@@ -65,6 +65,9 @@ impl Correspondence {
         let or_own = |role: Role, span: Span, own: &str| {
             by_name.get(&(rank(role), span, own)).map_or(own, |name| name).to_owned()
         };
+        let constraint = |role: Role, c: &Constraint| {
+            by_name.get(&(rank(role), c.span, c.name.as_str())).map(|name| (*name).to_owned())
+        };
 
         let waits = |id: StateId, ms: u32| format!("after({}, {ms}ms)", machine.state_path(id));
         let mut by_span: BTreeMap<Span, Vec<StateId>> = BTreeMap::new();
@@ -112,13 +115,13 @@ impl Correspondence {
             flags,
             last: machine.states.values().map(|s| find(Role::History, s.span)).collect(),
             commands: machine.outputs.values().map(|o| find(Role::Command, o.span)).collect(),
-            acted: machine.safety.constraints.values().map(|c| find(acted, c.span)).collect(),
+            acted: machine.safety.constraints.values().map(|c| constraint(acted, c)).collect(),
             marks: machine
                 .safety
                 .marks()
                 .map(|mark| match mark {
                     Mark::Noted => find(Role::Noted, machine.safety.span),
-                    Mark::First(c) => find(Role::First, machine.safety.constraints[c].span),
+                    Mark::First(c) => constraint(Role::First, &machine.safety.constraints[c]),
                 })
                 .collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),

@@ -23,6 +23,9 @@
 //! - the filter is at rest after the number of rounds that the chart's side is given
 //!   ([`chart_filter::rounds`]), and the products of a constraint say the same as its expression.
 //!
+//! Then, of the program alone and for all commands ([`guard`]): what its filter lets through violates no
+//! constraint as long as no assumption is broken, and it is what was commanded where that violates none.
+//!
 //! When a time has passed is left open, the same on both sides: so the proof holds for every course of
 //! time, that of a late scan included.
 //!
@@ -33,6 +36,7 @@
 use super::chart_filter;
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
+use super::guard;
 use super::induction::{self, Claim, Count, Failure, Situation};
 use super::joint::Joint;
 use super::lemmas::Lemmas;
@@ -77,6 +81,8 @@ pub struct Statistics {
     pub lemmas: usize,
     /// Rounds after which the filter was proved to be at rest.
     pub rounds: usize,
+    /// Claims about what the filter lets through, whatever is commanded.
+    pub guarded: usize,
     /// Claims about the first scan.
     pub base: Count,
     /// Claims about later scans.
@@ -98,6 +104,9 @@ pub enum Doubt {
         /// How many claims failed.
         failed: usize,
     },
+    /// Program and chart agree, and yet the filter lets through what a constraint forbids, or corrects what
+    /// none forbids; says which and when.
+    Unsafe(String),
     /// The solver gave up on some claims, and nothing else speaks against them.
     GaveUp {
         /// The first of them, in words.
@@ -110,7 +119,7 @@ pub enum Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Doubt::Incomparable(why) => f.write_str(why),
+            Doubt::Incomparable(why) | Doubt::Unsafe(why) => f.write_str(why),
             Doubt::NotInductive { text, .. } | Doubt::GaveUp { text, .. } => f.write_str(text),
         }
     }
@@ -159,6 +168,10 @@ fn attempt(
             let (step, later) = induction::step(pair, &matched, history, &lemmas, &mut sat);
             failures = later;
             if failures.is_empty() && matched.missing.is_empty() {
+                let guarded = match guard::examine(pair, &matched, history, &lemmas, &mut sat) {
+                    Ok(guarded) => guarded,
+                    Err(why) => return Ok(Verdict::Unknown(Box::new(Doubt::Unsafe(why)))),
+                };
                 let meanings = matched.meanings.iter().flatten().count();
                 let (states, latches) = (machine.states.len(), program.latches().len());
                 let effort = sat.effort();
@@ -167,6 +180,7 @@ fn attempt(
                     latches,
                     meanings,
                     rounds,
+                    guarded,
                     history,
                     lemmas: lemmas.never().len(),
                     base,

@@ -108,18 +108,64 @@ pub fn step(
     lemmas: &Lemmas<'_>,
     sat: &mut Sat,
 ) -> (Count, Vec<Failure>) {
-    let mut both = Both::anywhere(pair, matched);
-    both.given = lemmas.hold(&mut both.aig, &both.before);
-    for _ in 0..history {
-        let state = both.presume(matched);
-        both = both.next(state);
-        let hold = lemmas.hold(&mut both.aig, &both.before);
-        both.given = both.aig.and(both.given, hold);
-    }
+    let mut both = Both::later(pair, matched, history, lemmas);
     let mut compare = Compare::new(sat);
     let (_, failures) = both.examine(matched, &mut compare);
     compare.count.nodes = both.aig.len();
     (compare.count, failures)
+}
+
+/// One scan of both, the program cut before its filter.
+pub struct Cut {
+    /// The graph.
+    pub aig: Aig,
+    /// What the chart remembers from before.
+    pub before: ChartState,
+    /// The inputs.
+    pub inputs: Vec<Lit>,
+    /// The chart's scan, which knows nothing of the cut.
+    pub chart: ChartScan,
+    /// For each output, its command: free, unless nothing ever commands it.
+    pub commands: Vec<Lit>,
+    /// For each output, what the program makes of these commands.
+    pub outputs: Vec<Lit>,
+    /// What is known of what is remembered.
+    pub given: Lit,
+}
+
+/// The first scan, or with what the proof of [`step`] rests on any later one, in which the program reads
+/// whatever commands there may be instead of those that it has computed.
+pub fn cut(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>) -> Cut {
+    let mut both = match later {
+        None => Both::power_up(pair),
+        Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
+    };
+    let of = |wanted: fn(&Part) -> Option<usize>| {
+        let mut latches: Vec<(usize, usize)> =
+            matched.parts.iter().filter_map(|(part, latch)| Some((wanted(part)?, *latch))).collect();
+        latches.sort_unstable();
+        latches
+    };
+    let commands = of(|part| if let Part::Command(o) = part { Some(o.index()) } else { None });
+    let outputs = of(|part| if let Part::Output(o) = part { Some(o.index()) } else { None });
+    let last = pair.program.last_writers();
+    let mut free = vec![Lit::FALSE; pair.machine.outputs.len()];
+    let chart = both.chart.clone();
+    let state = both.run(matched, &mut |aig, program, state| {
+        // Of these it is known what they are.
+        for &(part, latch) in matched.parts.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+            if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_) | Part::Bit(..)) {
+                state[latch] = part.after(&chart);
+            }
+        }
+        for &(output, latch) in commands.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+            free[output] = aig.leaf(format!("command {output}"));
+            state[latch] = free[output];
+        }
+    });
+    let outputs = outputs.iter().map(|&(_, latch)| state[latch]).collect();
+    let Both { aig, before, inputs, chart, given, .. } = both;
+    Cut { aig, before, inputs, chart, commands: free, outputs, given }
 }
 
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
@@ -261,6 +307,19 @@ impl<'a> Both<'a> {
             });
         }
         Both::before(pair, aig, before, program, Lit::TRUE)
+    }
+
+    /// Any later scan, if the claims have held in as many scans before it as `history` says.
+    fn later(pair: Pair<'a>, matched: &Match, history: usize, lemmas: &Lemmas<'_>) -> Both<'a> {
+        let mut both = Both::anywhere(pair, matched);
+        both.given = lemmas.hold(&mut both.aig, &both.before);
+        for _ in 0..history {
+            let state = both.presume(matched);
+            both = both.next(state);
+            let hold = lemmas.hold(&mut both.aig, &both.before);
+            both.given = both.aig.and(both.given, hold);
+        }
+        both
     }
 
     /// A later scan from what is remembered.

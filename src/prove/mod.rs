@@ -8,6 +8,7 @@
 //! | [`correspondence`], [`parts`], [`matching`] | which variable or step of a program stands for what |
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
 //! | [`induction`] | first scan and any later scan, claim by claim |
+//! | [`guard`] | what the program's filter lets through, whatever is commanded |
 //! | [`lemmas`] | what a chart can never reach, where the induction asks for it |
 //! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`trace`] | the run that shows it, as a table |
@@ -22,6 +23,7 @@ pub mod chart_step;
 pub mod configuration;
 pub mod correspondence;
 pub mod equivalence;
+pub mod guard;
 pub mod induction;
 pub mod joint;
 pub mod lemmas;

@@ -32,6 +32,13 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
                 }
             }
         }
+        if let Some((_, span)) = actuator.valve.filter(|_| actuator.technology != ast::Technology::Bistable) {
+            r.diagnostics.push(
+                Diagnostic::new(Code::BadValve, format!("`{}` has no choice of valve", actuator.name.text))
+                    .label(span, "only a bistable actuator can be without an order")
+                    .label(actuator.technology_span, "here a spring leads back"),
+            );
+        }
         let id = r.machine.actuators.push(chart::Actuator {
             name: actuator.name.text.clone(),
             technology: actuator.technology,

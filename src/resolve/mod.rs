@@ -40,7 +40,13 @@ use crate::ir::{ast, chart};
 use names::Names;
 use std::collections::HashMap;
 
-/// Resolves a tree. The machine is whole only if there is no error among the diagnostics.
+/// Resolves a tree, in which constraints have been derived. The machine is whole only if there is no error
+/// among the diagnostics.
+///
+/// # Panics
+///
+/// If the tree still asks for constraints to be derived: without them, a machine would be less safe than it
+/// is written.
 pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     let mut resolver = Resolver {
         machine: chart::Machine {

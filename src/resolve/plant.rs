@@ -12,7 +12,8 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     // For each input, the actuator whose sensor it is.
     let mut sensed: Vec<Option<Span>> = vec![None; r.machine.inputs.len()];
     for written in tree.plants.iter().flat_map(|p| &p.travels) {
-        travel(r, written, &mut sensed);
+        let valve = |id: ActuatorId| tree.actuators[id.index()].valve;
+        travel(r, written, &valve, &mut sensed);
     }
     for written in tree.plants.iter().flat_map(|p| &p.rules) {
         rule(r, written, &sensed);
@@ -47,7 +48,12 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     }
 }
 
-fn travel(r: &mut Resolver, written: &ast::Travel, sensed: &mut [Option<Span>]) {
+fn travel(
+    r: &mut Resolver,
+    written: &ast::Travel,
+    declared: &impl Fn(ActuatorId) -> Option<(ast::Valve, Span)>,
+    sensed: &mut [Option<Span>],
+) {
     let (out, power) = (r.scans(&written.out, 1), power(r, written));
     let back = written.back.map_or(out, |t| r.scans(&t, 1));
     let Some(id) = r.actuator(&written.actuator) else { return };
@@ -60,7 +66,16 @@ fn travel(r: &mut Resolver, written: &ast::Travel, sensed: &mut [Option<Span>]) 
         );
         return;
     }
+    if let (Some((ast::Valve::Memory, valve)), Some(driven)) = (declared(id), written.driven) {
+        r.diagnostics.push(
+            Diagnostic::new(Code::BadValve, format!("the valve of `{}` remembers its order", written.actuator.text))
+                .label(driven, "it goes on without being driven")
+                .label(valve, "declared here"),
+        );
+    }
+    let closed = matches!(declared(id), Some((ast::Valve::ClosedCentre, _)));
     let valve = match (r.machine.actuators[id].technology, written.driven) {
+        (Technology::Bistable, None) if closed => Valve::WhileDriven,
         (Technology::Bistable, None) => Valve::Keeps,
         (Technology::Bistable, Some(_)) => Valve::WhileDriven,
         (Technology::Monostable | Technology::OnOff, None) => Valve::Spring,

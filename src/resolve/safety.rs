@@ -12,6 +12,7 @@ use std::collections::hash_map::Entry;
 pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     let mut names: HashMap<String, Span> = HashMap::new();
     for (i, safety) in tree.safety.iter().enumerate() {
+        assert!(safety.forbids.is_empty() && safety.derives.is_empty(), "constraints are derived before");
         if i > 0 {
             r.diagnostics.push(
                 Diagnostic::new(Code::Repeated, "the safety part is given more than once")

@@ -3,6 +3,7 @@
 pub mod binary;
 pub mod charts;
 pub mod damage;
+pub mod filters;
 pub mod items;
 pub mod models;
 pub mod numbers;

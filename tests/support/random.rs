@@ -125,6 +125,9 @@ struct Model {
     addresses: bool,
 }
 
+/// What is said of the valve of each bistable actuator, in turn.
+const VALVES: [&str; 3] = [" valve memory", "", " valve closed-centre"];
+
 impl Model {
     fn new(mut rng: Rng, size: usize) -> Model {
         // Now and then more than fit into a word.
@@ -223,7 +226,8 @@ impl Model {
                 let limit = self.limit(i, p);
                 positions.push(Item::line(format!("position {}{output}{sensor}{limit}", self.position(i, p))));
             }
-            items.push(Item::block(format!("actuator Act{i} {word}"), positions));
+            let valve = if technology == Technology::Bistable { VALVES[i % VALVES.len()] } else { "" };
+            items.push(Item::block(format!("actuator Act{i} {word}{valve}"), positions));
         }
         items
     }

@@ -216,6 +216,8 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
     let mut meanings: Vec<(String, Meaning)> = Vec::new();
     for global in built.project.globals.values() {
         let span = global.origin.span;
+        // Constraints that are derived together stand at one place.
+        let named = |name: &str| global.origin.what.split(' ').nth(1) == Some(name);
         let meaning = match global.role {
             // What takes a long rung is computed in parts.
             _ if global.name.starts_with("Part") => None,
@@ -228,14 +230,15 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
-            Role::First => {
-                find(machine.safety.constraints.iter(), |c| Some(c.span) == span).map(|c| Meaning::Mark(Mark::First(c)))
-            }
+            Role::First => find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
+                .map(|c| Meaning::Mark(Mark::First(c))),
             Role::Alarm | Role::Acted => {
-                find(machine.safety.constraints.iter(), |c| Some(c.span) == span).map(Meaning::Alarm).or_else(|| {
-                    let assumptions = &machine.safety.assumptions;
-                    assumptions.iter().position(|a| Some(a.span) == span).map(Meaning::Broken)
-                })
+                find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
+                    .map(Meaning::Alarm)
+                    .or_else(|| {
+                        let assumptions = &machine.safety.assumptions;
+                        assumptions.iter().position(|a| Some(a.span) == span).map(Meaning::Broken)
+                    })
             }
         };
         meanings.extend(meaning.map(|m| (global.name.clone(), m)));

@@ -40,6 +40,8 @@ pub enum Refusal {
     Rounds,
     /// The filter is asked for alone, but reads observers, which would have to run.
     Observers,
+    /// The filter is asked for alone, but reads events or integers of the program.
+    Memory,
 }
 
 impl fmt::Display for Refusal {
@@ -47,6 +49,7 @@ impl fmt::Display for Refusal {
         f.write_str(match self {
             Refusal::Rounds => "nobody knows how many rounds the filter takes",
             Refusal::Observers => "behind any program, a machine with observers cannot be verified yet",
+            Refusal::Memory => "behind any program, a filter that reads events or integers cannot be verified yet",
         })
     }
 }
@@ -100,6 +103,9 @@ impl<'m> Subject<'m> {
         if program == Program::Any && machine.charts.iter().any(|c| c.kind == ChartKind::Observer) {
             return Err(Refusal::Observers);
         }
+        if program == Program::Any && reads_memory(machine) {
+            return Err(Refusal::Memory);
+        }
         let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
         let step = ChartStep::new(machine, rounds);
         let mut system = System::default();
@@ -143,6 +149,16 @@ impl<'m> Subject<'m> {
     }
 }
 
+/// Whether constraints or assumptions read what only a known program has.
+fn reads_memory(machine: &Machine) -> bool {
+    let constraints = machine.safety.constraints.values().map(|c| &c.never);
+    let mut reads = false;
+    for never in constraints.chain(machine.safety.assumptions.iter().map(|a| &a.never)) {
+        never.for_each_atom(&mut |atom| reads |= matches!(atom, Atom::Event(_) | Atom::Compare(_)));
+    }
+    reads
+}
+
 /// A scan of the filter behind a program of which nothing is known: any commands, any values of variables.
 fn filter(
     system: &mut System,
@@ -183,7 +199,17 @@ fn filter(
     let fires = vec![Lit::FALSE; machine.transitions.len()];
     let enabled = fires.clone();
     let events = no(&before.raised);
-    ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins: Vec::new() }
+    ChartScan {
+        after,
+        events,
+        fires,
+        enabled,
+        commands,
+        acted: filtered.acted,
+        broken,
+        begins: Vec::new(),
+        readings: BTreeMap::new(),
+    }
 }
 
 /// Latches for what the chart remembers. All is FALSE before the first scan, which does not look at it.
@@ -237,6 +263,8 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
         acted: pick(&then.acted, &otherwise.acted),
         broken: pick(&then.broken, &otherwise.broken),
         begins: pick(&then.begins, &otherwise.begins),
+        // They are there to judge a program's filter, and here is none.
+        readings: BTreeMap::new(),
         after: map(&then.after, &mut |_| bits.next().expect("both remember the same")),
     }
 }

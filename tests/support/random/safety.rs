@@ -5,7 +5,7 @@
 //! may be kept off, what has been on may be kept on.
 
 use super::super::items::{self, Item};
-use super::Model;
+use super::{Model, Technology};
 
 /// Which way constraints may force an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,11 @@ impl Model {
     pub fn safety(&mut self) -> Option<Item> {
         if self.rng.chance(30) {
             return None;
+        }
+        if self.rng.chance(12)
+            && let Some(items) = self.derived()
+        {
+            return Some(Item::block("safety supervisor", items));
         }
         let mut ways: Vec<Way> =
             (0..self.outputs).map(|_| *self.rng.pick(&[Way::Off, Way::Off, Way::On, Way::Edge])).collect();
@@ -49,14 +54,37 @@ impl Model {
             let readings = self.readings(" and ");
             items.push(Item::line(format!("assume Ass{number}: never {readings}")));
         }
-        let reset = format!(" reset by In{}", self.rng.below(self.inputs));
+        let order = if self.rng.chance(30) { " relief in-order" } else { "" };
+        let reset = format!("{order} reset by In{}", self.rng.below(self.inputs));
         let head = match self.rng.below(10) {
-            0..=3 => "safety supervisor".to_owned(),
+            0..=3 => format!("safety supervisor{order}"),
             4..=5 => format!("safety supervisor{reset}"),
-            6 => "safety controller".to_owned(),
+            6 => format!("safety controller{order}"),
             _ => format!("safety blocking{reset}"),
         };
         Some(Item::block(head, items))
+    }
+
+    /// What actuators and forbidden positions demand, if there is an actuator that demands something.
+    fn derived(&mut self) -> Option<Vec<Item>> {
+        let is = |i: &usize, technology| self.actuators[*i].technology == technology;
+        let all = 0..self.actuators.len();
+        if !all.clone().any(|i| is(&i, Technology::Bistable)) {
+            return None;
+        }
+        // Those whose valve is declared, and those with a spring.
+        let told = |i: &usize| is(i, Technology::Bistable) && i % 3 != 1 || is(i, Technology::Monostable);
+        let told: Vec<usize> = all.filter(told).collect();
+        let mut items = Vec::new();
+        if let [.., a, b] = told[..] {
+            let [a, b] = [a, b].map(|i| match self.rng.below(3) {
+                1 => format!("Act{i} between"),
+                p => format!("Act{i} at {}", self.position(i, p / 2)),
+            });
+            items.push(Item::line(format!("For: forbid {a} {} {b}", self.rng.pick(&["and", "unless"]))));
+        }
+        items.push(Item::line(format!("derive all{}", self.rng.pick(&["", " by edges"]))));
+        Some(items)
     }
 
     /// A literal of an output that a constraint may make FALSE; now and then one that it may not.

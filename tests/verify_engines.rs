@@ -124,6 +124,8 @@ fn a_long_way_is_found_and_a_bound_is_met() {
     let report = check(&system, &few, Choice::Automatic, &|| false, &mut |_| {});
     assert_eq!(report.findings[0].verdict, Verdict::Holds);
     assert_eq!(report.findings[0].engine, Engine::Proof);
+    assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Nodes)));
+    let report = check(&system, &few, Choice::Only(Engine::Proof), &|| false, &mut |_| {});
     assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Kind)));
 }
 

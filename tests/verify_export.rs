@@ -151,6 +151,10 @@ fn names_are_kept() {
     assert!(text.contains("  init(m_Line_On) := TRUE;\n"), "{text}");
     assert!(text.contains("SPEC AG !m_Line_On; -- P1: on\n"), "{text}");
     assert!(text.contains("SPEC AG EF !m_Line_On; -- off again\n"), "{text}");
+    // A name that comes twice is numbered: some readers refuse it otherwise.
+    system.input("Go now", Giver::Operator);
+    assert!(aiger::ascii(&system).contains("i1 Go now #2\n"));
+    assert!(btor2::write(&system).contains("input 1 Go_now_#2\n"));
     let order = smv::order(&system);
     assert!(order.contains("m_Line_On\n") && order.contains("i_Go_now\n"), "{order}");
 }

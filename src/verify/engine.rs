@@ -101,12 +101,14 @@ pub fn check(
     let mut report = Report { findings: Vec::new(), states: None, scans: None };
     let may = |engine: Engine| choice == Choice::Automatic || choice == Choice::Only(engine);
     let mut limit = Limit::Kind;
+    let mut exact = limit;
     let alone = choice == Choice::Only(Engine::Exact);
     if may(Engine::Exact) {
         let explored = check.explore(if alone { u64::MAX } else { limits.steps });
         report.states = explored.0;
         report.scans = report.states.is_some().then_some(explored.1);
         limit = explored.2.unwrap_or(limit);
+        exact = limit;
     }
     // What is easily proved needs no search, and what is easily found no long proof.
     if choice == Choice::Automatic {
@@ -122,7 +124,7 @@ pub fn check(
     for ((claim, found), gave_up) in system.claims.iter().zip(check.found).zip(check.gave_up) {
         let open = || {
             let never = matches!(claim.property, Property::Never(_)) || alone;
-            let kind = if never { gave_up.unwrap_or(limit) } else { Limit::Kind };
+            let kind = if never { gave_up.unwrap_or(limit) } else { exact };
             let limit = if stop() { Limit::Stopped } else { kind };
             let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
             Finding { verdict: Verdict::Unknown(limit), engine }

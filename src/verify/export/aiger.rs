@@ -4,7 +4,7 @@
 
 use super::super::aig::Lit;
 use super::super::system::{Property, System};
-use super::{bads, gates, line};
+use super::{bads, gates, line, symbols};
 use std::fmt::Write;
 
 /// The numbers that a system's nodes have in a file.
@@ -104,11 +104,12 @@ pub fn binary(system: &System) -> Vec<u8> {
 /// The symbol table and the comment.
 fn names(system: &System) -> String {
     let mut text = String::new();
-    for (i, input) in system.inputs.iter().enumerate() {
-        let _ = writeln!(text, "i{i} {}", line(system.name(input.leaf)));
-    }
-    for (i, latch) in system.latches.iter().enumerate() {
-        let _ = writeln!(text, "l{i} {}", line(system.name(latch.leaf)));
+    let symbols = symbols(system);
+    let (inputs, latches) = symbols.split_at(system.inputs.len());
+    for (kind, names) in [("i", inputs), ("l", latches)] {
+        for (i, name) in names.iter().enumerate() {
+            let _ = writeln!(text, "{kind}{i} {name}");
+        }
     }
     for (i, (name, _)) in bads(system).into_iter().enumerate() {
         let _ = writeln!(text, "b{i} {}", line(name));

@@ -2,7 +2,7 @@
 
 use super::super::aig::Lit;
 use super::super::system::System;
-use super::{bads, gates};
+use super::{bads, gates, symbols};
 use std::fmt::Write;
 
 struct Writer {
@@ -44,11 +44,13 @@ pub fn write(system: &System) -> String {
     };
     w.line("sort bitvec 1");
     w.of[0] = w.line("zero 1");
-    for input in &system.inputs {
-        w.of[input.leaf.node()] = w.line(&format!("input 1 {}", symbol(system.name(input.leaf))));
+    let names = symbols(system);
+    let (inputs, latches) = names.split_at(system.inputs.len());
+    for (input, name) in system.inputs.iter().zip(inputs) {
+        w.of[input.leaf.node()] = w.line(&format!("input 1 {}", symbol(name)));
     }
-    for latch in &system.latches {
-        w.of[latch.leaf.node()] = w.line(&format!("state 1 {}", symbol(system.name(latch.leaf))));
+    for (latch, name) in system.latches.iter().zip(latches) {
+        w.of[latch.leaf.node()] = w.line(&format!("state 1 {}", symbol(name)));
     }
     for latch in &system.latches {
         if let Some(value) = latch.initial {

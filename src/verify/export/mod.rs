@@ -10,6 +10,7 @@ pub mod witness;
 
 use super::aig::{Lit, Node};
 use super::system::{Property, System};
+use std::collections::BTreeMap;
 
 /// A system's claims that something never is, each with its name.
 fn bads(system: &System) -> Vec<(&str, Lit)> {
@@ -29,6 +30,21 @@ fn gates(system: &System) -> Vec<(usize, Lit, Lit)> {
     let cone = system.aig.cone(&roots);
     let gate = |n: usize| if let Node::And(a, b) = system.aig.node(n) { Some((n, a, b)) } else { None };
     cone.into_iter().filter_map(gate).collect()
+}
+
+/// The names of inputs and then of latches, each on one line; a repeated one is numbered, since readers
+/// want to tell them apart.
+fn symbols(system: &System) -> Vec<String> {
+    let leaves = system.inputs.iter().map(|i| i.leaf).chain(system.latches.iter().map(|l| l.leaf));
+    let mut count: BTreeMap<String, usize> = BTreeMap::new();
+    let mut symbols = Vec::new();
+    for leaf in leaves {
+        let name = line(system.name(leaf));
+        let number = count.entry(name.clone()).or_default();
+        *number += 1;
+        symbols.push(if *number == 1 { name } else { format!("{name} #{number}") });
+    }
+    symbols
 }
 
 /// A name on one line.

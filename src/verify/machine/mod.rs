@@ -107,7 +107,7 @@ impl<'m> Subject<'m> {
             return Err(Refusal::Memory);
         }
         let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
-        let step = ChartStep::new(machine, rounds);
+        let step = ChartStep::new(machine, rounds).without_scans();
         let mut system = System::default();
         let started = system.latch("started", Some(false));
         system.latches[0].next = Lit::TRUE;
@@ -195,6 +195,7 @@ fn filter(
         raised: no(&before.raised),
         last: before.last.iter().map(|l| l.map(|_| Lit::FALSE)).collect(),
         integers: before.integers.iter().map(|i| no(i)).collect(),
+        scans: Vec::new(),
     };
     let fires = vec![Lit::FALSE; machine.transitions.len()];
     let enabled = fires.clone();
@@ -283,5 +284,6 @@ fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
         marks: each(&state.marks),
         last: state.last.iter().map(|l| l.map(|l| each(&[l])[0])).collect(),
         integers: state.integers.iter().map(|i| each(i)).collect(),
+        scans: state.scans.iter().map(|n| each(n)).collect(),
     }
 }

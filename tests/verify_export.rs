@@ -208,7 +208,7 @@ fn btor2_means_one_scan_of_the_system() {
             .chain(system.constraints.iter().copied())
             .chain(system.claims.iter().map(|c| match c.property {
                 Property::Never(l) | Property::AlwaysPossible(l) => l,
-                Property::NeverStuck => unreachable!("it is not among them"),
+                Property::NeverStuck | Property::Eventually { .. } => unreachable!("it is not among them"),
             }))
             .map(|l| lanes(&ours, l))
             .collect();

@@ -3,7 +3,7 @@
 use super::check;
 use crate::base::Diagnostics;
 use crate::ir::chart::{InputId, Machine};
-use crate::ir::scenario::{Doing, Given, PropertyKind, Scenario, Step};
+use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Step};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
@@ -80,6 +80,8 @@ pub struct Run {
     pub frames: Vec<Frame>,
     /// Whether no shorter run shows the same.
     pub shortest: bool,
+    /// The scan, counted from 1, from which on it can repeat itself for ever, if that is what it shows.
+    pub repeats: Option<usize>,
     /// The run as a scenario, in the words of the language.
     pub scenario: String,
     /// Whether the chart does the same in the simulator. It does unless times are needed that a fixed cycle
@@ -137,7 +139,10 @@ pub fn words(machine: &Machine, question: Question) -> String {
     match question {
         Question::Declared(i) => {
             let p = &machine.properties[i];
-            format!("{}: {} {}", p.name, p.kind.words(), condition(machine, i))
+            format!("{}: {}", p.name, says(machine, i))
+        }
+        Question::Arises(i) => {
+            format!("{}: what it speaks of happens in a fair run", machine.properties[i].name)
         }
         Question::Violated(c) => {
             let c = &machine.safety.constraints[c];
@@ -154,11 +159,22 @@ pub fn words(machine: &Machine, question: Question) -> String {
     }
 }
 
+/// What a property says, in the words of the language.
+fn says(machine: &Machine, property: usize) -> String {
+    let p = &machine.properties[property];
+    match &p.after {
+        Some(after) => format!("after {} eventually {}", text(machine, after), text(machine, &p.condition)),
+        None => format!("{} {}", p.kind.words(), text(machine, &p.condition)),
+    }
+}
+
 fn condition(machine: &Machine, property: usize) -> String {
+    text(machine, &machine.properties[property].condition)
+}
+
+fn text(machine: &Machine, condition: &Condition) -> String {
     let mut out = String::new();
-    let written = machine.properties[property]
-        .condition
-        .write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
+    let written = condition.write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
     written.expect("writing to a string succeeds");
     out
 }
@@ -170,10 +186,15 @@ fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Opti
     let property = subject.system.claims[claim].property;
     let calm = question.is_demand().then(|| subject.system.calm(trace, property));
     let trace = calm.as_ref().unwrap_or(trace);
-    let replay = subject.system.replay(trace).expect("the engines replay what they return");
+    let repeats = subject.system.repeats(trace, property);
+    let scans = trace.inputs.len();
+    // What repeats itself is played twice.
+    let mut longer = trace.clone();
+    longer.inputs.extend_from_slice(&trace.inputs[repeats.unwrap_or(scans)..]);
+    let replay = subject.system.replay(&longer).expect("the engines replay what they return");
     let view = subject.view.frame();
     let frame = |values: &Vec<u64>| view.iter().map(|&l| lanes(values, l) & 1 == 1).collect();
-    let frames: Vec<Frame> = replay.values.iter().map(frame).collect();
+    let mut frames: Vec<Frame> = replay.values.iter().map(frame).collect();
     let machine = subject.machine;
     let gives = if options.open { vec![true; machine.inputs.len()] } else { machine.plant.gives(machine.inputs.len()) };
     let steps = steps(machine, &gives, &frames);
@@ -182,20 +203,39 @@ fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Opti
         Question::Declared(i) => match machine.properties[i].kind {
             PropertyKind::Never => format!("  never {}\n", condition(machine, i)),
             PropertyKind::Always => format!("  always {}\n", condition(machine, i)),
-            PropertyKind::Reachable | PropertyKind::AlwaysPossible => String::new(),
+            PropertyKind::Reachable
+            | PropertyKind::AlwaysPossible
+            | PropertyKind::Eventually
+            | PropertyKind::Fair => String::new(),
         },
         _ => String::new(),
     };
     let mut scenario = format!("scenario {} {{\n{watch}", quoted(&name));
     steps.iter().for_each(|s| write_step(machine, s, &mut scenario));
-    if let Question::Declared(i) = question
-        && machine.properties[i].kind == PropertyKind::Reachable
-    {
-        let _ = writeln!(scenario, "  expect {}", condition(machine, i));
+    if let Question::Declared(i) = question {
+        match machine.properties[i].kind {
+            PropertyKind::Reachable => {
+                let _ = writeln!(scenario, "  expect {}", condition(machine, i));
+            }
+            PropertyKind::Eventually => {
+                // Where nothing comes in anew, the answer does not come however long one waits.
+                let loops = &frames[repeats.unwrap_or(scans)..];
+                let given = Layout::of(machine).inputs();
+                let still = loops.windows(2).all(|pair| pair[0][given.clone()] == pair[1][given.clone()]);
+                let answer = condition(machine, i);
+                let _ = if still {
+                    writeln!(scenario, "  wait until {answer} within {} scans", scans.max(100))
+                } else {
+                    writeln!(scenario, "  expect {answer}")
+                };
+            }
+            PropertyKind::Never | PropertyKind::Always | PropertyKind::AlwaysPossible | PropertyKind::Fair => {}
+        }
     }
     scenario += "}\n";
     let replayed = (options.program == Program::Chart).then(|| is_replayed(machine, &steps, &frames));
-    Run { frames, shortest: trace.shortest, scenario, replayed }
+    frames.truncate(scans);
+    Run { frames, shortest: trace.shortest, repeats: repeats.map(|scan| scan + 1), scenario, replayed }
 }
 
 /// What to do, so that the program samples in each scan what stands in the frames. What the plant gives is

@@ -118,7 +118,7 @@ fn names(system: &System) -> String {
     for claim in &system.claims {
         match claim.property {
             Property::Never(_) => {}
-            Property::AlwaysPossible(_) | Property::NeverStuck => {
+            Property::AlwaysPossible(_) | Property::NeverStuck | Property::Eventually { .. } => {
                 let _ = writeln!(text, "left out, since AIGER cannot say it: {}", line(&claim.name));
             }
         }

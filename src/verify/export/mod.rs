@@ -23,9 +23,11 @@ fn bads(system: &System) -> Vec<(&str, Lit)> {
 fn gates(system: &System) -> Vec<(usize, Lit, Lit)> {
     let mut roots = system.constraints.clone();
     roots.extend(system.latches.iter().map(|l| l.next));
-    roots.extend(system.claims.iter().filter_map(|c| match c.property {
-        Property::Never(l) | Property::AlwaysPossible(l) => Some(l),
-        Property::NeverStuck => None,
+    roots.extend(system.fair.iter().map(|f| f.holds));
+    roots.extend(system.claims.iter().flat_map(|c| match c.property {
+        Property::Never(l) | Property::AlwaysPossible(l) => vec![l],
+        Property::Eventually { after, then } => vec![after, then],
+        Property::NeverStuck => Vec::new(),
     }));
     let cone = system.aig.cone(&roots);
     let gate = |n: usize| if let Node::And(a, b) = system.aig.node(n) { Some((n, a, b)) } else { None };

@@ -68,6 +68,11 @@ pub fn write(system: &System) -> String {
         let _ = match claim.property {
             Property::Never(bad) => writeln!(text, "SPEC AG {}; -- {}", lit(!bad), line(&claim.name)),
             Property::AlwaysPossible(goal) => writeln!(text, "SPEC AG EF {}; -- {}", lit(goal), line(&claim.name)),
+            Property::Eventually { after, then } => {
+                let fair: String = system.fair.iter().map(|f| format!("G F {} & ", lit(f.holds))).collect();
+                let comes = format!("G ({} -> F {})", lit(after), lit(then));
+                writeln!(text, "LTLSPEC ({fair}TRUE) -> {comes}; -- {}", line(&claim.name))
+            }
             Property::NeverStuck => writeln!(text, "-- ask `check_fsm`: {}", line(&claim.name)),
         };
     }

@@ -1,9 +1,9 @@
 //! A machine to answers about all its runs, each with the run that shows it.
 
-use super::check;
+use super::{check, rungs};
 use crate::base::Diagnostics;
-use crate::ir::chart::{InputId, Machine};
-use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Step};
+use crate::ir::chart::{Atom, InputId, Machine, OutputId};
+use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Seen, Step};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
@@ -12,6 +12,7 @@ use crate::verify::engine::{self, Choice, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::system::Trace;
 use crate::verify::{Limit, Limits, Verdict};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 pub use crate::verify::machine::questions::{Question, transition};
@@ -87,6 +88,9 @@ pub struct Run {
     /// Whether the chart does the same in the simulator. It does unless times are needed that a fixed cycle
     /// does not give; nothing if it is no run of the chart.
     pub replayed: Option<bool>,
+    /// The rungs that drove the outputs in question in the last scan, with what every contact was; nothing if no
+    /// output is in question, or the program does something else because of times.
+    pub rungs: Option<String>,
 }
 
 /// Text to answers. Nothing if the model has errors. `stop` is asked now and then whether to end.
@@ -180,7 +184,7 @@ fn text(machine: &Machine, condition: &Condition) -> String {
 }
 
 /// A run of the system as people see it, played once more by the simulator.
-fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
+pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
     // What people look at is worth the time to make it calm.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
@@ -235,7 +239,34 @@ fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Opti
     scenario += "}\n";
     let replayed = (options.program == Program::Chart).then(|| is_replayed(machine, &steps, &frames));
     frames.truncate(scans);
-    Run { frames, shortest: trace.shortest, repeats: repeats.map(|scan| scan + 1), scenario, replayed }
+    let outputs = if replayed == Some(true) { outputs(machine, question) } else { Vec::new() };
+    let rungs = if outputs.is_empty() { None } else { rungs::show(machine, &frames, &outputs) };
+    Run { frames, shortest: trace.shortest, repeats: repeats.map(|scan| scan + 1), scenario, replayed, rungs }
+}
+
+/// The outputs of which a demand speaks.
+fn outputs(machine: &Machine, question: Question) -> Vec<OutputId> {
+    let mut outputs = BTreeSet::new();
+    let mut note = |atom: &Atom| {
+        if let Atom::Output(o) | Atom::PrevOutput(o) = atom {
+            outputs.insert(*o);
+        }
+    };
+    match question {
+        Question::Declared(i) => {
+            let p = &machine.properties[i];
+            for condition in p.after.iter().chain([&p.condition]) {
+                condition.for_each_atom(&mut |seen| {
+                    if let Seen::Machine(atom) = seen {
+                        note(atom);
+                    }
+                });
+            }
+        }
+        Question::Violated(c) => machine.safety.constraints[c].never.for_each_atom(&mut note),
+        _ => {}
+    }
+    outputs.into_iter().collect()
 }
 
 /// What to do, so that the program samples in each scan what stands in the frames. What the plant gives is

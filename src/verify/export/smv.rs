@@ -1,4 +1,5 @@
-//! SMV, as NuSMV and nuXmv read it: the one form that can say what is always possible.
+//! SMV, as NuSMV and nuXmv read it: the one form that can say what is always possible. What comes eventually is
+//! said with what makes a run fair, so that no other claim is about fair runs only.
 //!
 //! Inputs are variables as well, so that a claim can speak of them; SMV asks that no run ends, which
 //! [`Property::NeverStuck`] says of a system.
@@ -45,7 +46,7 @@ pub fn write(system: &System) -> String {
     for leaf in leaves {
         let _ = writeln!(text, "  {} : boolean; -- {}", lit(leaf), line(system.name(leaf)));
     }
-    let gates = gates(system);
+    let gates = gates(system, &[]);
     if !gates.is_empty() {
         text += "DEFINE\n";
     }

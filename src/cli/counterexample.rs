@@ -26,7 +26,8 @@ pub fn human(machine: &Machine, question: Question, run: &Run) -> String {
         };
     }
     if run.replayed == Some(false) {
-        text += "The simulator does not repeat this run: it needs a time to pass sooner or later than at a fixed cycle.\n";
+        text +=
+            "The simulator does not repeat this run: it needs a time to pass sooner or later than at a fixed cycle.\n";
     }
     if run.replayed.is_some() {
         let _ = write!(text, "\nActive in scan {scans}:\n{}", tree::show(machine, last));

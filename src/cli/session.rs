@@ -7,8 +7,8 @@ use crate::ir::scenario::Given;
 use crate::pipeline;
 use crate::simulate::frame::Frame;
 use crate::simulate::record::{Names, seconds};
-use crate::simulate::tree;
 use crate::simulate::run::{Program, Run, milliseconds};
+use crate::simulate::tree;
 use std::fmt::Write;
 use std::io::{BufRead, IsTerminal};
 

@@ -207,10 +207,9 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
         Question::Declared(i) => match machine.properties[i].kind {
             PropertyKind::Never => format!("  never {}\n", condition(machine, i)),
             PropertyKind::Always => format!("  always {}\n", condition(machine, i)),
-            PropertyKind::Reachable
-            | PropertyKind::AlwaysPossible
-            | PropertyKind::Eventually
-            | PropertyKind::Fair => String::new(),
+            PropertyKind::Reachable | PropertyKind::AlwaysPossible | PropertyKind::Eventually | PropertyKind::Fair => {
+                String::new()
+            }
         },
         _ => String::new(),
     };

@@ -52,13 +52,14 @@ pub fn random(rng: &mut Rng) -> System {
 pub fn random_fair(rng: &mut Rng) -> System {
     let mut system = random(rng);
     system.claims.clear();
-    let mut lits: Vec<Lit> = system.latches.iter().map(|l| l.next).chain(system.inputs.iter().map(|i| i.leaf)).collect();
+    let mut lits: Vec<Lit> =
+        system.latches.iter().map(|l| l.next).chain(system.inputs.iter().map(|i| i.leaf)).collect();
     lits.extend(system.latches.iter().map(|l| l.leaf));
     for _ in 0..6 {
         let (a, b) = (rng.pick(&lits).xor(rng.chance(50)), rng.pick(&lits).xor(rng.chance(50)));
         lits.push(system.aig.and(a, b));
     }
-    let mut some = |rng: &mut Rng| rng.pick(&lits).xor(rng.chance(50));
+    let some = |rng: &mut Rng| rng.pick(&lits).xor(rng.chance(50));
     for i in 0..rng.below(4) {
         let holds = some(rng);
         system.fairness(format!("f{i}"), holds);
@@ -104,7 +105,8 @@ pub fn comes(system: &System, after: Lit, then: Lit) -> bool {
         seen
     };
     let starts = |from: &usize| {
-        let fits = |(i, l): (usize, &chartwright::verify::Latch)| l.initial.is_none_or(|v| v == (from >> 1 >> i & 1 == 1));
+        let fits =
+            |(i, l): (usize, &chartwright::verify::Latch)| l.initial.is_none_or(|v| v == (from >> 1 >> i & 1 == 1));
         from & 1 == 0 && system.latches.iter().enumerate().all(fits)
     };
     let first: Vec<usize> = (0..2 << latches).filter(starts).collect();

@@ -52,7 +52,8 @@ fn claim(system: &System, named: Option<usize>, line: Option<Line<'_>>) -> Resul
         let kind = word.chars().next().filter(|c| matches!(c, 'b' | 'j'))?;
         word[1..].parse::<usize>().ok().map(|index| (kind, index))
     });
-    let (kind, index) = words.ok_or_else(|| wrong(number, "there is neither a bad such as `b0` nor a justice such as `j0`"))?;
+    let (kind, index) =
+        words.ok_or_else(|| wrong(number, "there is neither a bad such as `b0` nor a justice such as `j0`"))?;
     if let Some(claim) = named {
         return Ok(claim);
     }
@@ -72,7 +73,12 @@ fn bare(system: &System, mut initial: Vec<bool>, mut inputs: Vec<Vec<bool>>) -> 
     Trace { initial, inputs, shortest: false }
 }
 
-fn aiger<'t>(system: &System, told: &System, named: Option<usize>, lines: &mut dyn Iterator<Item = Line<'t>>) -> Result<Witness, String> {
+fn aiger<'t>(
+    system: &System,
+    told: &System,
+    named: Option<usize>,
+    lines: &mut dyn Iterator<Item = Line<'t>>,
+) -> Result<Witness, String> {
     let claim = claim(system, named, lines.next())?;
     let bits = |(number, line): Line<'_>, count: usize, what: &str| -> Result<Vec<bool>, String> {
         if line.len() != count || line.chars().any(|c| !matches!(c, '0' | '1' | 'x')) {
@@ -91,7 +97,12 @@ fn aiger<'t>(system: &System, told: &System, named: Option<usize>, lines: &mut d
     Err(ENDS.to_owned())
 }
 
-fn btor2<'t>(system: &System, told: &System, named: Option<usize>, lines: &mut dyn Iterator<Item = Line<'t>>) -> Result<Witness, String> {
+fn btor2<'t>(
+    system: &System,
+    told: &System,
+    named: Option<usize>,
+    lines: &mut dyn Iterator<Item = Line<'t>>,
+) -> Result<Witness, String> {
     let claim = claim(system, named, lines.next())?;
     let mut initial: Vec<bool> = told.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
     let mut inputs: Vec<Vec<bool>> = Vec::new();

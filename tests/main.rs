@@ -32,4 +32,5 @@ mod support;
 mod text;
 mod verify_engines;
 mod verify_export;
+mod verify_filter;
 mod verify_models;

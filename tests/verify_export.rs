@@ -120,10 +120,10 @@ fn a_run_goes_out_and_comes_back() {
         for (i, finding) in report.findings.iter().enumerate() {
             let Verdict::Violated(trace) = &finding.verdict else { continue };
             let text = witness::write(i, trace);
-            let read = witness::read(&system, &format!("c a remark\n{text}")).expect("it can be read");
-            assert_eq!((read.bad, &read.trace.initial, &read.trace.inputs), (i, &trace.initial, &trace.inputs));
+            let read = witness::read(&system, &format!("c a remark\n{text}"), None).expect("it can be read");
+            assert_eq!((read.claim, &read.trace.initial, &read.trace.inputs), (i, &trace.initial, &trace.inputs));
             assert!(system.shows(&read.trace, system.claims[i].property));
-            assert!(witness::read(&system, text.trim_end_matches(".\n")).is_err());
+            assert!(witness::read(&system, text.trim_end_matches(".\n"), None).is_err());
             runs += 1;
         }
     }
@@ -208,7 +208,7 @@ fn btor2_means_one_scan_of_the_system() {
             .chain(system.constraints.iter().copied())
             .chain(system.claims.iter().map(|c| match c.property {
                 Property::Never(l) | Property::AlwaysPossible(l) => l,
-                Property::NeverStuck => unreachable!("it is not among them"),
+                Property::NeverStuck | Property::Eventually { .. } => unreachable!("it is not among them"),
             }))
             .map(|l| lanes(&ours, l))
             .collect();

@@ -34,4 +34,5 @@ mod text;
 mod verify_engines;
 mod verify_eventually;
 mod verify_export;
+mod verify_filter;
 mod verify_models;

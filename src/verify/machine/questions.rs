@@ -65,7 +65,7 @@ impl Subject<'_> {
         for (i, p) in machine.properties.iter().enumerate() {
             // Nobody can expect something of a program of which nothing is known.
             let eventually = matches!(p.kind, PropertyKind::Eventually | PropertyKind::Fair);
-            if program == Program::Any && (eventually || reads_states(&p.condition)) {
+            if program == Program::Any && (eventually || reads_states(machine, &p.condition)) {
                 continue;
             }
             let holds = self.view.holds(&mut self.system.aig, machine, &p.condition);
@@ -88,14 +88,6 @@ impl Subject<'_> {
             self.ask(Question::Declared(i), p.name.clone(), property);
         }
         for (id, constraint) in machine.safety.constraints.iter() {
-            // An observer may step between the filter and the end of the scan, where the condition is read.
-            let mut observes = false;
-            constraint
-                .never
-                .for_each_atom(&mut |atom| observes |= matches!(atom, Atom::Compare(_) | Atom::In(_) | Atom::Done(_)));
-            if observes {
-                continue;
-            }
             let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
             self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
         }
@@ -132,11 +124,13 @@ impl Subject<'_> {
     }
 }
 
-/// Whether a condition asks for states, of which an unknown program has none.
-fn reads_states(condition: &Condition) -> bool {
+/// Whether a condition asks for states of charts, of which an unknown program has none.
+fn reads_states(machine: &Machine, condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_) | Atom::Compare(_)));
+        if let Seen::Machine(Atom::In(s) | Atom::Done(s)) = *seen {
+            reads |= !machine.observes(s);
+        }
     });
     reads
 }
@@ -183,9 +177,13 @@ impl View {
         })
     }
 
-    /// The condition of a constraint, which knows no states.
+    /// The condition of a constraint as it is when the outputs have been decided. Observers may still step after
+    /// that.
     fn constraint(&self, aig: &mut Aig, never: &Guard) -> Lit {
-        aig.expression(never, &mut |_, &atom| self.signal(atom).expect("constraints read signals only"))
+        aig.expression(never, &mut |_, &atom| match atom {
+            Atom::Output(o) => self.scan.after.outputs[o.index()],
+            other => self.scan.readings[&other],
+        })
     }
 
     fn signal(&self, atom: Atom) -> Option<Lit> {

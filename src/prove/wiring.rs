@@ -28,6 +28,10 @@ pub fn compare(machine: &Machine, names: &Correspondence, project: &Project) -> 
             }
         };
         let kind = if area == 'I' { "input" } else { "output" };
+        // Nothing has been commanded yet, and some PLCs show what a program begins with.
+        if area == 'Q' && variable.initial != 0 {
+            return Err(format!("output {name} is TRUE before the first scan"));
+        }
         let found = match &variable.address {
             None => None,
             Some(written) => {

@@ -76,13 +76,7 @@ fn introduce(name: &str, symbol: Symbol, names: &mut Names, node: Node<'_>) -> R
 }
 
 /// Makes the global variables that a list names as external known in a program.
-pub fn import(
-    list: Node<'_>,
-    globals: &Globals,
-    names: &mut Names,
-    project: &Project,
-    problems: &mut Diagnostics,
-) {
+pub fn import(list: Node<'_>, globals: &Globals, names: &mut Names, project: &Project, problems: &mut Diagnostics) {
     refuse_kept(list, problems);
     for node in xml::children_named(list, "variable") {
         let found = xml::required(node, "name").and_then(|name| match globals.names.get(&fold(name)) {

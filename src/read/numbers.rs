@@ -131,7 +131,9 @@ impl Found {
             Some(Kind::Int { bits, signed }) if self.computes && (bits > 16 || !signed) => {
                 Err("a comparison of a sum that is wider than INT or has no sign".to_owned())
             }
-            Some(Kind::Int { bits: 64, signed: false }) if ordered => Err("an order of integers of type ULINT".to_owned()),
+            Some(Kind::Int { bits: 64, signed: false }) if ordered => {
+                Err("an order of integers of type ULINT".to_owned())
+            }
             Some(_) | None => Ok(()),
         }
     }

@@ -11,8 +11,7 @@ use crate::base::{Code, Diagnostics};
 use std::collections::BTreeSet;
 
 /// Attributes that are true or false.
-const FLAGS: [&str; 7] =
-    ["constant", "initialStep", "negated", "nonpersistent", "nonretain", "persistent", "retain"];
+const FLAGS: [&str; 7] = ["constant", "initialStep", "negated", "nonpersistent", "nonretain", "persistent", "retain"];
 
 /// Says what is not as it has to be.
 pub fn check(root: Node<'_>, family: Family, problems: &mut Diagnostics) {

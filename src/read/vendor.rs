@@ -126,7 +126,8 @@ pub fn refuse_attributes(node: Node<'_>, body: &Body<'_>, cx: &mut Context<'_, '
             Some(Attribute::Initial) => truth == xml::flag(node, "initialStep"),
             Some(Attribute::Parallel) => truth == xml::is(node, "simultaneousDivergence"),
             Some(Attribute::Qualifier) => {
-                let said = [xml::attribute(node, "qualifier").unwrap_or("N"), xml::attribute(node, "duration").unwrap_or("")];
+                let said =
+                    [xml::attribute(node, "qualifier").unwrap_or("N"), xml::attribute(node, "duration").unwrap_or("")];
                 same(value, &said.join(" "))
             }
             Some(Attribute::Name) => name(node, body).is_none_or(|name| same(value, &name)),

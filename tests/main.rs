@@ -7,6 +7,7 @@ mod docs;
 mod emit;
 mod explain;
 mod filters;
+mod hand_edits;
 mod indexa_by_chance;
 mod invalid;
 mod layers;

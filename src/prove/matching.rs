@@ -4,10 +4,11 @@ use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
 use super::parts::{Meaning, Part, SCAN_WIDTH, Timer, WIDTH, said};
 use super::program_step::ProgramStep;
+use super::wiring;
 use crate::base::iec;
 use crate::ir::chart::{Machine, StateId};
 use crate::ir::iec::{BlockId, Body, Kind, Project, Scope, VarId};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The type of integers.
 const INT: Kind = Kind::Int { bits: WIDTH, signed: true };
@@ -110,7 +111,7 @@ impl Match {
         }
         matched.steps(pair, names, project);
         matched.timers(pair, names, project);
-        foreign_inputs(project, program, &matched.inputs)?;
+        wiring::compare(machine, names, project)?;
         matched.by_construction(pair, project);
         for (state, name) in machine.states.ids().zip(&names.last) {
             let name = name.as_ref().filter(|_| pair.chart.remembers(state));
@@ -212,18 +213,6 @@ impl Match {
         }
         self.meanings = meanings;
     }
-}
-
-/// A program that reads what the machine does not have is no program of this machine.
-fn foreign_inputs(project: &Project, program: &ProgramStep<'_>, inputs: &[usize]) -> Result<(), String> {
-    let known: BTreeSet<usize> = inputs.iter().copied().collect();
-    for (id, variable) in project.variables.iter() {
-        let located = variable.address.as_deref().is_some_and(|a| a.to_ascii_uppercase().starts_with("%I"));
-        if located && !program.variable(id).is_some_and(|latch| known.contains(&latch)) {
-            return Err(format!("the program has an input `{}` that the machine does not have", variable.name));
-        }
-    }
-    Ok(())
 }
 
 fn missing(name: &str, what: &str) -> String {

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | this one | the program: chart and filter, scan by scan from power-up |
 //! | [`plant`] | what the plant gives it |
+//! | [`steps`] | a plant that moves between scans |
 //! | [`questions`] | what is claimed |
 //!
 //! One scan of the program is that of [`chart_step`](crate::prove::chart_step), the same that every build is proved
@@ -13,16 +14,20 @@
 
 pub mod plant;
 pub mod questions;
+pub mod steps;
 
 use super::aig::{Aig, Lit};
 use super::sat::Sat;
 use super::system::{Giver, System};
+use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{Atom, ChartKind, Machine};
 use crate::prove::chart_filter;
 use crate::prove::chart_step::{ChartScan, ChartState, ChartStep};
+use crate::prove::parts::WIDTH;
 use questions::Question;
 use std::collections::BTreeMap;
 use std::fmt;
+use steps::Turn;
 
 /// What runs in front of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,20 +84,27 @@ pub struct View {
     pub bits: Vec<Lit>,
     /// For each hidden bit of the plant, its value in the scan before.
     pub past_bits: Vec<Lit>,
+    /// For each hidden integer of the plant, its value.
+    pub counts: Vec<Vector>,
     /// For each output, its value in the scan before.
     pub past_outputs: Vec<Lit>,
-    /// What happens in the scan.
+    /// What happens in the scan. What is remembered is that of the last scan where this is none.
     pub scan: ChartScan,
+    /// Whether this is a scan, and what it is otherwise.
+    pub turn: Turn,
+    /// Whether a scan has run by now.
+    pub begun: Lit,
 }
 
 impl View {
     /// What can be seen, in this order: inputs, hidden bits, outputs, variables, events, states, alarms of
-    /// constraints, alarms of assumptions, what the filter remembers, the bits of integers.
+    /// constraints, alarms of assumptions, what the filter remembers, the bits of integers, hidden ones last.
     pub fn frame(&self) -> Vec<Lit> {
         let ChartScan { after, events, acted, broken, .. } = &self.scan;
         let ChartState { outputs, variables, active, marks, .. } = after;
         let lists = [&self.inputs, &self.bits, outputs, variables, events, active, acted, broken, marks];
-        lists.into_iter().flatten().chain(after.integers.iter().flatten()).copied().collect()
+        let seen = lists.into_iter().flatten().chain(after.integers.iter().flatten()).copied();
+        seen.chain(self.counts.iter().flat_map(|c| vector::fit(c, usize::from(WIDTH)))).collect()
     }
 }
 
@@ -110,7 +122,6 @@ impl<'m> Subject<'m> {
         let step = ChartStep::new(machine, rounds);
         let mut system = System::default();
         let started = system.latch("started", Some(false));
-        system.latches[0].next = Lit::TRUE;
         let first_latch = system.latches.len();
         let before = remembered(&mut system, machine, &step);
         let memory = first_latch..system.latches.len();
@@ -129,12 +140,15 @@ impl<'m> Subject<'m> {
             }
             Program::Any => filter(&mut system, machine, &before, &given.inputs, &past_inputs, rounds),
         };
-        for (latch, next) in memory.zip(scan.after.bits()) {
-            system.latches[latch].next = next;
-        }
+        let plant::Terminals { inputs, bits, past_bits, counts, turn } = given;
+        let scan = turn.scan(&mut system, memory, &before, scan);
+        let begun = system.aig.or(started, turn.reading);
+        system.latches[0].next = begun;
         system.constraints.extend(scan.broken.iter().map(|&b| !b));
-        let plant::Terminals { inputs, bits, past_bits } = given;
-        let view = View { inputs, past_inputs, bits, past_bits, past_outputs: before.outputs, scan };
+        let inputs = inputs.iter().zip(&before.inputs);
+        let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
+        let past_outputs = before.outputs;
+        let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, scan, turn, begun };
         let mut subject = Subject { machine, system, questions: Vec::new(), view, timed };
         subject.ask_about_outputs(program);
         if program == Program::Chart {

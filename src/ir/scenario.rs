@@ -28,8 +28,8 @@
 //! step of its own: it reads hidden values as they are before it. When the outputs are written, those rules are tried that are
 //! [of a valve](Rule::is_of_valve). When the inputs are read, all other rules are, as above.
 //!
-//! A run by a scenario is the one in which each happening happens once, in the order in which they are written, between writing and
-//! reading, if its condition holds then; in the first scan none does. Verification covers all courses; there an actuator that
+//! A run by a scenario is the one in which, between writing and reading, each happening happens once whose condition holds after
+//! the writing and still does when its turn comes, in the order in which they are written; in the first scan none does. Verification covers all courses; there an actuator that
 //! travels takes its way step by step among the happenings.
 
 use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark};
@@ -308,6 +308,17 @@ impl Rule {
             only &= matches!(seen, Seen::Machine(Atom::Output(_)));
         });
         matches!(self.target, Given::Bit(_)) && self.delay == 0 && reads && only
+    }
+}
+
+impl Comparison<Counted> {
+    /// Whether it reads hidden integers only.
+    pub fn is_hidden(&self) -> bool {
+        let mut hidden = true;
+        let mut look = |c: &Counted| hidden &= matches!(c, Counted::Hidden(_));
+        self.left.for_each_value(&mut look);
+        self.right.for_each_value(&mut look);
+        hidden
     }
 }
 

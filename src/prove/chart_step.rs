@@ -13,6 +13,8 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
+mod unknown;
+
 use super::chart_filter;
 use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
@@ -22,6 +24,8 @@ use crate::ir::chart::{
 };
 use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
+
+pub use unknown::Unknown;
 
 /// What a chart remembers from scan to scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -93,6 +97,8 @@ pub struct ChartStep<'m> {
     /// For each region, whether some transition asks for its history.
     histories: Vec<bool>,
     rounds: usize,
+    /// What runs in place of the control charts, if it is not these.
+    unknown: Option<Unknown>,
 }
 
 impl<'m> ChartStep<'m> {
@@ -109,7 +115,12 @@ impl<'m> ChartStep<'m> {
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
         let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
-        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds }
+        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds, unknown: None }
+    }
+
+    /// The same with that program in place of the control charts: none of their states is ever active.
+    pub fn behind(self, program: Unknown) -> Self {
+        ChartStep { unknown: Some(program), ..self }
     }
 
     /// Whether the state is of a region whose history some transition asks for.
@@ -143,7 +154,10 @@ impl<'m> ChartStep<'m> {
         let mut now = Now::of(&before, m);
         let none = now.fires.clone();
         self.move_on(aig, given, &mut now, &none, Some(ChartKind::Observer));
-        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control));
+        match &self.unknown {
+            Some(program) => program.act(&mut now),
+            None => self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control)),
+        }
         self.rest(aig, given, now)
     }
 
@@ -158,7 +172,10 @@ impl<'m> ChartStep<'m> {
         let given = Given { step: self, inputs, before, elapsed: &elapsed, outputs: None };
         let mut now = Now::of(before, self.machine);
         self.step(aig, given, &mut now, ChartKind::Observer, Phase::Start);
-        self.step(aig, given, &mut now, ChartKind::Control, Phase::Start);
+        match &self.unknown {
+            Some(program) => program.act(&mut now),
+            None => self.step(aig, given, &mut now, ChartKind::Control, Phase::Start),
+        }
         self.rest(aig, given, now)
     }
 
@@ -399,7 +416,10 @@ impl<'m> ChartStep<'m> {
                 drives[drive.output.index()].push(aig.and(now.active[id.index()], condition));
             }
         }
-        let commands: Vec<Lit> = drives.iter().map(|d| aig.any(d)).collect();
+        let commands = match &self.unknown {
+            Some(program) => program.commands.clone(),
+            None => drives.iter().map(|d| aig.any(d)).collect(),
+        };
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);

@@ -133,7 +133,10 @@ impl Plant {
     fn live(&mut self, machine: &Machine, before_writing: bool) {
         let Some(mut state) = self.chance else {
             if !before_writing {
-                machine.plant.happenings.iter().for_each(|h| self.happen(machine, h));
+                // What only others make possible waits for the next scan, so that nothing goes its whole way in one.
+                let possible: Vec<&Happening> =
+                    machine.plant.happenings.iter().filter(|h| self.can_happen(machine, h)).collect();
+                possible.into_iter().for_each(|h| self.happen(machine, h));
             }
             return;
         };
@@ -148,10 +151,14 @@ impl Plant {
         self.chance = Some(state);
     }
 
+    fn can_happen(&self, machine: &Machine, happening: &Happening) -> bool {
+        // A step reads no past.
+        self.layout.holds(machine, &happening.condition, &self.values, &self.values)
+    }
+
     /// Lets something happen if it can.
     fn happen(&mut self, machine: &Machine, happening: &Happening) {
-        // A step reads no past.
-        if !self.layout.holds(machine, &happening.condition, &self.values, &self.values) {
+        if !self.can_happen(machine, happening) {
             return;
         }
         let count = |&c: &CountId| self.layout.count(c, &self.values);

@@ -57,12 +57,12 @@ impl Subject<'_> {
     pub(super) fn ask_about_outputs(&mut self, program: Program) {
         let machine = self.machine;
         for (i, p) in machine.properties.iter().enumerate() {
-            if program == Program::Any && reads_states(&p.condition) {
+            if program == Program::Any && reads_states(machine, &p.condition) {
                 continue;
             }
             let aig = &mut self.system.aig;
             let holds = self.view.holds(aig, machine, &p.condition);
-            let looked = self.view.looked(&p.condition);
+            let looked = self.view.looked(machine, &p.condition);
             let (holds, fails) = (aig.and(holds, looked), aig.and(!holds, looked));
             let property = match p.kind {
                 PropertyKind::Never | PropertyKind::Reachable => Property::Never(holds),
@@ -72,14 +72,6 @@ impl Subject<'_> {
             self.ask(Question::Declared(i), p.name.clone(), property);
         }
         for (id, constraint) in machine.safety.constraints.iter() {
-            // An observer may step between the filter and the end of the scan, where the condition is read.
-            let mut observes = false;
-            constraint
-                .never
-                .for_each_atom(&mut |atom| observes |= matches!(atom, Atom::Compare(_) | Atom::In(_) | Atom::Done(_)));
-            if observes {
-                continue;
-            }
             let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
             let violated = self.system.aig.and(violated, self.view.turn.reading);
             self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
@@ -121,11 +113,13 @@ impl Subject<'_> {
     }
 }
 
-/// Whether a condition asks for states, of which an unknown program has none.
-fn reads_states(condition: &Condition) -> bool {
+/// Whether a condition asks for states of charts, of which an unknown program has none.
+fn reads_states(machine: &Machine, condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_) | Atom::Compare(_)));
+        if let Seen::Machine(Atom::In(s) | Atom::Done(s)) = *seen {
+            reads |= !machine.observes(s);
+        }
     });
     reads
 }
@@ -157,16 +151,15 @@ fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
 impl View {
     /// Whether this is a moment at which a property is looked at. What reads hidden values, and what is seen of the
     /// last scan, is looked at after each step of a plant, too; what reads how it came to that, only after scans.
-    fn looked(&self, condition: &Condition) -> Lit {
+    fn looked(&self, machine: &Machine, condition: &Condition) -> Lit {
         let (mut hidden, mut scans) = (true, false);
-        condition.for_each_atom(&mut |&seen| match seen {
-            Seen::Bit(_) => {}
-            Seen::Compare(_) => hidden &= true,
-            Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_) => scans = true,
-            seen => {
-                scans |= seen.is_past();
-                hidden = false;
-            }
+        condition.for_each_atom(&mut |&seen| {
+            scans |= seen.is_past() || matches!(seen, Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_));
+            hidden &= match seen {
+                Seen::Bit(_) => true,
+                Seen::Compare(c) => machine.plant.comparisons[c].is_hidden(),
+                _ => false,
+            };
         });
         match (scans, hidden) {
             (true, _) => self.turn.reading,
@@ -196,9 +189,13 @@ impl View {
         })
     }
 
-    /// The condition of a constraint, which knows no states.
+    /// The condition of a constraint as it is when the outputs have been decided. Observers may still step after
+    /// that.
     fn constraint(&self, aig: &mut Aig, never: &Guard) -> Lit {
-        aig.expression(never, &mut |_, &atom| self.signal(atom).expect("constraints read signals only"))
+        aig.expression(never, &mut |_, &atom| match atom {
+            Atom::Output(o) => self.scan.after.outputs[o.index()],
+            other => self.scan.readings[&other],
+        })
     }
 
     fn signal(&self, atom: Atom) -> Option<Lit> {

@@ -12,8 +12,8 @@
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
-use super::map;
 use super::plant::{Moving, Terminals, width};
+use super::program::map;
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::Machine;
 use crate::ir::number::Range as Bounds;

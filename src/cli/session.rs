@@ -243,6 +243,10 @@ impl Session<'_> {
             let value = self.run.given()[self.run.layout().place(given)];
             let _ = writeln!(text, "{}", format!("{} {mark}{name:<12} {description}", u8::from(value)).trim_end());
         }
+        for (id, c) in self.machine.plant.counts.iter() {
+            let line = format!("{} ~{:<12} {}", self.run.count(id), c.name, c.description);
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
         text
     }
 

@@ -3,7 +3,7 @@
 
 use super::chart::*;
 use super::expr::CHART;
-use super::scenario::{Condition, Doing, Given, PropertyKind, Step};
+use super::scenario::{Condition, CountId, Doing, Given, PropertyKind, Step};
 use super::sop::Product;
 use std::fmt::{self, Write};
 
@@ -102,6 +102,27 @@ impl Writer<'_> {
         let m = self.machine;
         for b in m.plant.bits.values() {
             writeln!(self.out, "hidden {}", b.name)?;
+        }
+        for c in m.plant.counts.values() {
+            writeln!(self.out, "hidden {}: {}..{} := {}", c.name, c.range.lowest, c.range.highest, c.initial)?;
+        }
+        if m.plant.by_steps {
+            writeln!(self.out, "by steps")?;
+        }
+        for h in &m.plant.happenings {
+            let name = |c: &CountId| m.plant.counts[*c].name.as_str();
+            let bits = h.bits.iter().map(|&(b, v)| format!("{} := {v}", m.plant.bits[b].name));
+            let counts = h.counts.iter().map(|(c, n)| {
+                let mut value = String::new();
+                let written = n.write(&mut value, &mut |c, f| f.write_str(name(c)));
+                written.expect("writing to a string succeeds");
+                format!("{} := {value}", name(c))
+            });
+            let effects = bits.chain(counts).collect::<Vec<_>>().join(", ");
+            writeln!(self.out, "step {:?} when {}: {effects}", h.text, self.condition(&h.condition))?;
+        }
+        for &bit in &m.plant.unknown {
+            writeln!(self.out, "initially any {}", m.plant.bits[bit].name)?;
         }
         for &(given, value) in &m.plant.initially {
             writeln!(self.out, "initially {} := {value}", m.given(given))?;

@@ -56,14 +56,7 @@ impl Writer {
         if !m.variables.is_empty() {
             self.block(format_args!("variables"), |w| {
                 m.variables.iter().try_for_each(|v| {
-                    let kind = match &v.kind {
-                        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
-                        VariableKind::Integer { lowest, highest, initial, .. } => {
-                            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
-                            format!("{lowest}..{highest}{initial}")
-                        }
-                    };
-                    w.line(format_args!("{} : {kind}{}", v.name.text, text(&v.description)))
+                    w.line(format_args!("{} : {}{}", v.name.text, kind(&v.kind), text(&v.description)))
                 })
             })?;
         }
@@ -152,9 +145,15 @@ impl Writer {
     }
 
     fn plant(&mut self, p: &Plant) -> fmt::Result {
-        self.block(format_args!("plant"), |w| {
+        let head = if p.by_steps.is_some() { "plant by steps" } else { "plant" };
+        self.block(format_args!("{head}"), |w| {
             for h in &p.hidden {
-                w.line(format_args!("hidden {}{}", h.name.text, text(&h.description)))?;
+                let kind = h.integer.as_ref().map(|k| format!(" : {}", kind(k))).unwrap_or_default();
+                w.line(format_args!("hidden {}{kind}{}", h.name.text, text(&h.description)))?;
+            }
+            for s in &p.steps {
+                let (when, then) = (condition(&s.condition), then(&s.effects));
+                w.line(format_args!("step{} when {when}{then}", text(&Some(s.text.clone()))))?;
             }
             if !p.initially.is_empty() {
                 w.block(format_args!("initially"), |w| w.steps(&p.initially))?;
@@ -182,6 +181,7 @@ impl Writer {
         steps.iter().try_for_each(|s| {
             let line = match &s.doing {
                 Doing::Set(names, value) => format!("{} {}", if *value { "set" } else { "reset" }, list(names)),
+                Doing::Any(names) => format!("any {}", list(names)),
                 Doing::Press(names, None) => format!("press {}", list(names)),
                 Doing::Press(names, Some(t)) => format!("press {} for {}", list(names), time(t)),
                 Doing::Force(forced) => {
@@ -345,6 +345,17 @@ fn place(place: &Place) -> String {
 
 fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
     priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default()
+}
+
+/// What a variable can hold.
+fn kind(kind: &VariableKind) -> String {
+    match kind {
+        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
+        VariableKind::Integer { lowest, highest, initial, .. } => {
+            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
+            format!("{lowest}..{highest}{initial}")
+        }
+    }
 }
 
 fn effects(effects: &[Effect]) -> String {

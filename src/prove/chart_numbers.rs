@@ -15,11 +15,16 @@ pub fn initial(machine: &Machine) -> Vec<Vector> {
 /// The value of an expression over `integers`. No part of one leaves the type INT, so it does not matter
 /// that rows grow.
 pub fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) -> Vector {
+    number_of(aig, number, &|i: &IntegerId| integers[i.index()].clone())
+}
+
+/// The value of an expression when `value` gives that of each of its parts.
+pub fn number_of<A>(aig: &mut Aig, number: &Number<A>, value: &impl Fn(&A) -> Vector) -> Vector {
     match number {
         Number::Const(n) => vector::constant(*n),
-        Number::Value(i) => integers[i.index()].clone(),
+        Number::Value(a) => value(a),
         Number::Sum(operands) => operands.iter().fold(vector::constant(0), |sum, operand| {
-            let value = self::number(aig, &operand.value, integers);
+            let value = number_of(aig, &operand.value, value);
             if operand.negative { vector::subtract(aig, &sum, &value) } else { vector::add(aig, &sum, &value) }
         }),
     }
@@ -27,7 +32,12 @@ pub fn number(aig: &mut Aig, number: &Number<IntegerId>, integers: &[Vector]) ->
 
 /// A comparison of what stands in `integers`.
 pub fn compare(aig: &mut Aig, comparison: &Comparison<IntegerId>, integers: &[Vector]) -> Lit {
-    let (left, right) = (number(aig, &comparison.left, integers), number(aig, &comparison.right, integers));
+    compare_of(aig, comparison, &|i: &IntegerId| integers[i.index()].clone())
+}
+
+/// A comparison when `value` gives the value of each of its parts.
+pub fn compare_of<A>(aig: &mut Aig, comparison: &Comparison<A>, value: &impl Fn(&A) -> Vector) -> Lit {
+    let (left, right) = (number_of(aig, &comparison.left, value), number_of(aig, &comparison.right, value));
     let difference = vector::subtract(aig, &left, &right);
     let (negative, zero) = (vector::sign(&difference), !aig.any(&difference));
     match comparison.relation {

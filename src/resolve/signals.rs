@@ -50,8 +50,15 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     for hidden in tree.plants.iter().flat_map(|p| &p.hidden) {
         let (name, span) = (hidden.name.text.clone(), hidden.name.span);
         let description = describe(&hidden.description);
-        let id = r.machine.plant.bits.push(scenario::Bit { name, description, span });
-        r.declare_symbol(&hidden.name, Symbol::Bit(id));
+        let symbol = match &hidden.integer {
+            None => Symbol::Bit(r.machine.plant.bits.push(scenario::Bit { name, description, span })),
+            Some(kind) => {
+                let (range, initial) = r.range(kind);
+                let count = scenario::Count { name, range, initial, description, span };
+                Symbol::Count(r.machine.plant.counts.push(count))
+            }
+        };
+        r.declare_symbol(&hidden.name, symbol);
     }
 }
 

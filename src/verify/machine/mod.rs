@@ -5,6 +5,7 @@
 //! | this one | program and plant together |
 //! | [`program`] | chart, or any program, and filter, scan by scan from power-up |
 //! | [`plant`] | what the plant gives it |
+//! | [`steps`] | a plant that moves between scans |
 //! | [`questions`] | what is claimed |
 //!
 //! One scan of the program is that of [`chart_step`](crate::prove::chart_step), the same that every build is proved
@@ -15,16 +16,20 @@
 pub mod plant;
 pub mod program;
 pub mod questions;
+pub mod steps;
 
 use super::aig::Lit;
 use super::sat::Sat;
 use super::system::System;
+use crate::bits::vector::{self, Vector};
 use crate::ir::chart::Machine;
 use crate::prove::chart_filter;
 use crate::prove::chart_step::{ChartScan, ChartState};
+use crate::prove::parts::WIDTH;
 use program::Running;
 use questions::Question;
 use std::fmt;
+use steps::Turn;
 
 /// What runs in front of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,20 +80,27 @@ pub struct View {
     pub bits: Vec<Lit>,
     /// For each hidden bit of the plant, its value in the scan before.
     pub past_bits: Vec<Lit>,
+    /// For each hidden integer of the plant, its value.
+    pub counts: Vec<Vector>,
     /// For each output, its value in the scan before.
     pub past_outputs: Vec<Lit>,
-    /// What happens in the scan.
+    /// What happens in the scan. What is remembered is that of the last scan where this is none.
     pub scan: ChartScan,
+    /// Whether this is a scan, and what it is otherwise.
+    pub turn: Turn,
+    /// Whether a scan has run by now.
+    pub begun: Lit,
 }
 
 impl View {
     /// What can be seen, in this order: inputs, hidden bits, outputs, variables, events, states, alarms of
-    /// constraints, alarms of assumptions, what the filter remembers, the bits of integers.
+    /// constraints, alarms of assumptions, what the filter remembers, the bits of integers, hidden ones last.
     pub fn frame(&self) -> Vec<Lit> {
         let ChartScan { after, events, acted, broken, .. } = &self.scan;
         let ChartState { outputs, variables, active, marks, .. } = after;
         let lists = [&self.inputs, &self.bits, outputs, variables, events, active, acted, broken, marks];
-        lists.into_iter().flatten().chain(after.integers.iter().flatten()).copied().collect()
+        let seen = lists.into_iter().flatten().chain(after.integers.iter().flatten()).copied();
+        seen.chain(self.counts.iter().flat_map(|c| vector::fit(c, usize::from(WIDTH)))).collect()
     }
 }
 
@@ -100,7 +112,6 @@ impl<'m> Subject<'m> {
         let running = Running { machine, program, rounds };
         let mut system = System::default();
         let started = system.latch("started", Some(false));
-        system.latches[0].next = Lit::TRUE;
         let first_latch = system.latches.len();
         let before = running.remembered(&mut system);
         let memory = first_latch..system.latches.len();
@@ -109,12 +120,15 @@ impl<'m> Subject<'m> {
         let past_inputs = before.inputs.iter().zip(&given.inputs);
         let past_inputs: Vec<Lit> = past_inputs.map(|(&was, &is)| system.aig.select(started, was, is)).collect();
         let scan = running.scan(&mut system, started, &before, &given.inputs);
-        for (latch, next) in memory.zip(scan.after.bits()) {
-            system.latches[latch].next = next;
-        }
+        let plant::Terminals { inputs, bits, past_bits, counts, turn } = given;
+        let scan = turn.scan(&mut system, memory, &before, scan);
+        let begun = system.aig.or(started, turn.reading);
+        system.latches[0].next = begun;
         system.constraints.extend(scan.broken.iter().map(|&b| !b));
-        let plant::Terminals { inputs, bits, past_bits } = given;
-        let view = View { inputs, past_inputs, bits, past_bits, past_outputs: before.outputs, scan };
+        let inputs = inputs.iter().zip(&before.inputs);
+        let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
+        let past_outputs = before.outputs;
+        let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, scan, turn, begun };
         let mut subject = Subject { machine, system, questions: Vec::new(), view, timed: running.is_timed() };
         subject.ask_about_outputs(program);
         if program == Program::Chart {

@@ -151,7 +151,7 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
 }
 
 /// The same memory with other bits, made in the order of [`ChartState::bits`].
-fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
+pub fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
     let mut each = |lits: &[Lit]| -> Vec<Lit> { lits.iter().map(|&l| f(l)).collect() };
     ChartState {
         active: each(&state.active),

@@ -4,8 +4,8 @@ use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
 use super::{Program, Subject, View};
 use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
-use crate::ir::scenario::{Condition, PropertyKind, Seen};
-use crate::prove::chart_numbers::compare;
+use crate::ir::scenario::{Condition, Counted, PropertyKind, Seen};
+use crate::prove::chart_numbers::{compare, compare_of};
 use std::collections::BTreeSet;
 
 /// One question. Where nothing else is said, the claim of the system says that it never is.
@@ -68,10 +68,13 @@ impl Subject<'_> {
             if program == Program::Any && (eventually || reads_states(machine, &p.condition)) {
                 continue;
             }
-            let holds = self.view.holds(&mut self.system.aig, machine, &p.condition);
+            let aig = &mut self.system.aig;
+            let holds = self.view.holds(aig, machine, &p.condition);
+            let looked = self.view.looked(machine, &p.condition);
+            let (holds, fails) = (aig.and(holds, looked), aig.and(!holds, looked));
             let property = match p.kind {
                 PropertyKind::Never | PropertyKind::Reachable => Property::Never(holds),
-                PropertyKind::Always => Property::Never(!holds),
+                PropertyKind::Always => Property::Never(fails),
                 PropertyKind::AlwaysPossible => Property::AlwaysPossible(holds),
                 PropertyKind::Eventually => {
                     let aig = &mut self.system.aig;
@@ -89,10 +92,15 @@ impl Subject<'_> {
         }
         for (id, constraint) in machine.safety.constraints.iter() {
             let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
+            let violated = self.system.aig.and(violated, self.view.turn.reading);
             self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
         }
         if !machine.safety.assumptions.is_empty() {
-            self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), Property::NeverStuck);
+            // A plant that goes by steps may always have one to take.
+            let reading = self.view.turn.reading;
+            let kept =
+                if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
+            self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), kept);
         }
     }
 
@@ -160,12 +168,35 @@ fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
 }
 
 impl View {
+    /// Whether this is a moment at which a property is looked at. What reads hidden values, and what is seen of the
+    /// last scan, is looked at after each step of a plant, too; what reads how it came to that, only after scans.
+    fn looked(&self, machine: &Machine, condition: &Condition) -> Lit {
+        let (mut hidden, mut scans) = (true, false);
+        condition.for_each_atom(&mut |&seen| {
+            scans |= seen.is_past() || matches!(seen, Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_));
+            hidden &= match seen {
+                Seen::Bit(_) => true,
+                Seen::Compare(c) => machine.plant.comparisons[c].is_hidden(),
+                _ => false,
+            };
+        });
+        match (scans, hidden) {
+            (true, _) => self.turn.reading,
+            (false, true) => Lit::TRUE,
+            (false, false) => self.begun,
+        }
+    }
+
     /// A condition at the end of the scan.
     fn holds(&self, aig: &mut Aig, machine: &Machine, condition: &Condition) -> Lit {
         aig.expression(condition, &mut |aig, &seen| match seen {
             Seen::Machine(atom) => self.atom(aig, machine, atom),
             Seen::Bit(b) => self.bits[b.index()],
             Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::Compare(c) => compare_of(aig, &machine.plant.comparisons[c], &|&counted| match counted {
+                Counted::Program(i) => self.scan.after.integers[i.index()].clone(),
+                Counted::Hidden(c) => self.counts[c.index()].clone(),
+            }),
             Seen::Mark(mark) => {
                 self.scan.after.marks[match mark {
                     Mark::Noted => 0,

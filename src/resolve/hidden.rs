@@ -8,7 +8,7 @@ use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, EffectValue, Name};
 use crate::ir::expr::Expr;
 use crate::ir::number::{Comparison, Number};
-use crate::ir::scenario::{Condition, Counted, CountId, Happening, Seen};
+use crate::ir::scenario::{Condition, CountId, Counted, Happening, Seen};
 
 /// What a plant counts.
 const HIDDEN: Named<CountId> = Named {

@@ -98,8 +98,7 @@ impl Subject<'_> {
         if !machine.safety.assumptions.is_empty() {
             // A plant that goes by steps may always have one to take.
             let reading = self.view.turn.reading;
-            let kept =
-                if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
+            let kept = if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
             self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), kept);
         }
     }

@@ -227,14 +227,8 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         }
     }
     let words = moves.into_iter().map(|m| m.words);
-    let turn = Turn {
-        reading,
-        writing,
-        waiting,
-        moves: happens.into_iter().zip(words).collect(),
-        waits,
-        first_waiting,
-    };
+    let turn =
+        Turn { reading, writing, waiting, moves: happens.into_iter().zip(words).collect(), waits, first_waiting };
     Terminals { inputs: plant.inputs, bits, past_bits: plant.past_bits, counts: counted, turn }
 }
 

@@ -128,6 +128,7 @@ fn every_model_reads_back_in_both_dialects() {
                 let (kind, initial) = match global.initial {
                     plc::Value::Bool(value) => (Kind::Bool, i64::from(value)),
                     plc::Value::Int(value) => (Kind::Int { bits: 16, signed: true }, i64::from(value)),
+                    plc::Value::Udint(value) => (Kind::Int { bits: 32, signed: false }, i64::from(value)),
                 };
                 assert_eq!((&found.address, found.initial), (&global.address, initial), "{name}");
                 assert_eq!(found.kind, kind);

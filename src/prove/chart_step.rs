@@ -18,7 +18,8 @@ use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, ScanNumber, StateId, StateKind, TransitionId,
+    VariableId,
 };
 use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
@@ -47,15 +48,25 @@ pub struct ChartState {
     pub last: Vec<Option<Lit>>,
     /// For each integer, its value in as many bits as an INT has.
     pub integers: Vec<Vector>,
+    /// Each number that the filter keeps, in the order of
+    /// [`Safety::scan_numbers`](crate::ir::chart::Safety::scan_numbers), in as many bits as a UDINT has;
+    /// nothing where [nobody asks](ChartStep::without_scans).
+    pub scans: Vec<Vector>,
 }
 
 impl ChartState {
+    /// A bit of a number that the filter keeps.
+    pub fn scan_bit(&self, number: ScanNumber, bit: u8) -> Lit {
+        self.scans[number as usize][usize::from(bit)]
+    }
+
     /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories,
-    /// integers.
+    /// integers, numbers of scans.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers } = self;
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers, scans } = self;
         let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
-        always.chain(last.iter().flatten()).chain(integers.iter().flatten()).copied().collect()
+        let numbers = integers.iter().chain(scans).flatten();
+        always.chain(last.iter().flatten()).chain(numbers).copied().collect()
     }
 }
 
@@ -93,6 +104,8 @@ pub struct ChartStep<'m> {
     /// For each region, whether some transition asks for its history.
     histories: Vec<bool>,
     rounds: usize,
+    /// How many numbers of scans are kept.
+    scans: usize,
 }
 
 impl<'m> ChartStep<'m> {
@@ -109,7 +122,20 @@ impl<'m> ChartStep<'m> {
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
         let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
-        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds }
+        let scans = machine.safety.scan_numbers().count();
+        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds, scans }
+    }
+
+    /// The same without the numbers of scans. Nothing in the machine reads them, but a counter has more
+    /// values than a search can visit.
+    #[must_use]
+    pub fn without_scans(self) -> Self {
+        ChartStep { scans: 0, ..self }
+    }
+
+    /// How many numbers of scans are kept.
+    pub fn scans(&self) -> usize {
+        self.scans
     }
 
     /// Whether the state is of a region whose history some transition asks for.
@@ -137,6 +163,7 @@ impl<'m> ChartStep<'m> {
             marks: vec![Lit::FALSE; m.safety.marks().count()],
             last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
             integers: numbers::initial(m),
+            scans: vec![numbers::no_scan(); self.scans],
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
@@ -425,6 +452,7 @@ impl<'m> ChartStep<'m> {
             begins.push(aig.and(given.before.active[s.index()], given.before.fresh[i]));
         }
         let after = ChartState {
+            scans: numbers::scans(aig, &given.before.scans, &filtered),
             active,
             variables,
             inputs: given.inputs.to_vec(),

@@ -2,7 +2,7 @@
 
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
-use super::parts::{Meaning, Part, Timer, WIDTH};
+use super::parts::{Meaning, Part, SCAN_WIDTH, Timer, WIDTH, said};
 use super::program_step::ProgramStep;
 use super::wiring;
 use crate::base::iec;
@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 /// The type of integers.
 const INT: Kind = Kind::Int { bits: WIDTH, signed: true };
+/// The type of the numbers of scans.
+const UDINT: Kind = Kind::Int { bits: SCAN_WIDTH, signed: false };
 
 /// Which latches of a program stand for which parts of a machine.
 #[derive(Clone, Debug)]
@@ -92,12 +94,20 @@ impl Match {
                 add(part, name)?;
             }
         }
+        let number = |name: &String, what: &str, kind: Kind, type_name: &str| {
+            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, what))?;
+            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == kind);
+            latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not {type_name}"))
+        };
         for (id, name) in machine.integers.ids().zip(&names.integers) {
-            let what = format!("integer {}", machine.integers[id].name);
-            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what))?;
-            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == INT);
-            let latches = latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not INT"))?;
+            let latches = number(name, &format!("integer {}", machine.integers[id].name), INT, "INT")?;
             matched.parts.extend((0..WIDTH).map(|bit| Part::Bit(id, bit)).zip(latches));
+        }
+        for (which, name) in machine.safety.scan_numbers().zip(&names.scans) {
+            if let Some(name) = name {
+                let latches = number(name, said(which), UDINT, "UDINT")?;
+                matched.parts.extend((0..SCAN_WIDTH).map(|bit| Part::Scan(which, bit)).zip(latches));
+            }
         }
         matched.steps(pair, names, project);
         matched.timers(pair, names, project);

@@ -19,16 +19,21 @@ pub struct Layout {
     broken: usize,
     marks: usize,
     integers: usize,
+    first_scan: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
-/// states, alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the
-/// [`WIDTH`] bits of its two's complement, the lowest first.
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers, each integer as the
+/// [`WIDTH`] bits of its two's complement, the lowest first, and the [`SCAN_WIDTH`] bits of the number of the scan in which
+/// began what the filter notes.
 pub type Frame = Vec<bool>;
 
 /// How many places an integer takes: those of an INT.
 pub const WIDTH: usize = 16;
+
+/// How many places the number of a scan takes: those of a UDINT.
+pub const SCAN_WIDTH: usize = 32;
 
 impl Layout {
     /// The layout for `machine`.
@@ -42,8 +47,9 @@ impl Layout {
         let broken = acted + machine.safety.constraints.len();
         let marks = broken + machine.safety.assumptions.len();
         let integers = marks + machine.safety.marks().count();
-        let len = integers + machine.integers.len() * WIDTH;
-        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, len }
+        let first_scan = integers + machine.integers.len() * WIDTH;
+        let len = first_scan + if machine.safety.reset.is_some() { SCAN_WIDTH } else { 0 };
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, first_scan, len }
     }
 
     /// A frame with all values FALSE.
@@ -170,7 +176,20 @@ impl Layout {
 
     /// The places of integers.
     pub fn integers(&self) -> Range<usize> {
-        self.integers..self.len
+        self.integers..self.first_scan
+    }
+
+    /// The number of the scan in which began what the filter notes; nothing of a filter that notes nothing.
+    pub fn first_scan(&self, frame: &[bool]) -> Option<u32> {
+        let bits = &frame[self.first_scan..self.len];
+        (!bits.is_empty()).then(|| bits.iter().rev().fold(0, |n, &bit| n << 1 | u32::from(bit)))
+    }
+
+    /// Puts that number into a frame.
+    pub fn put_first_scan(&self, number: u32, frame: &mut [bool]) {
+        for (i, bit) in frame[self.first_scan..self.len].iter_mut().enumerate() {
+            *bit = number >> i & 1 == 1;
+        }
     }
 
     /// What a condition reads, in a frame and the one before.

@@ -107,7 +107,7 @@ impl<'m> Subject<'m> {
             return Err(Refusal::Memory);
         }
         let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
-        let step = ChartStep::new(machine, rounds);
+        let step = ChartStep::new(machine, rounds).without_scans();
         let mut system = System::default();
         let started = system.latch("started", Some(false));
         system.latches[0].next = Lit::TRUE;
@@ -121,7 +121,7 @@ impl<'m> Subject<'m> {
         let mut timed = false;
         let scan = match program {
             Program::Chart => {
-                let clocks = clocks(&mut system, machine, &step);
+                let clocks = clocks(&mut system, machine, &step, &before);
                 timed = !clocks.is_empty();
                 let later = step.scan(&mut system.aig, &before, &given.inputs, &clocks);
                 let first = step.first(&mut system.aig, &given.inputs);
@@ -195,6 +195,7 @@ fn filter(
         raised: no(&before.raised),
         last: before.last.iter().map(|l| l.map(|_| Lit::FALSE)).collect(),
         integers: before.integers.iter().map(|i| no(i)).collect(),
+        scans: Vec::new(),
     };
     let fires = vec![Lit::FALSE; machine.transitions.len()];
     let enabled = fires.clone();
@@ -234,11 +235,18 @@ fn remembered(system: &mut System, machine: &Machine, step: &ChartStep<'_>) -> C
 }
 
 /// For each timer, whether its time has passed by now, if it runs.
-fn clocks(system: &mut System, machine: &Machine, step: &ChartStep<'_>) -> Vec<Lit> {
+fn clocks(system: &mut System, machine: &Machine, step: &ChartStep<'_>, before: &ChartState) -> Vec<Lit> {
     let timers: Vec<_> = step.timers().collect();
     let name =
         |&(s, ms): &(crate::ir::chart::StateId, u32)| format!("{ms} ms of {} have passed", machine.state_path(s));
     let clocks: Vec<Lit> = timers.iter().map(|t| system.input(name(t), Giver::Clock)).collect();
+    for (i, t) in timers.iter().enumerate() {
+        // A time that runs for ever passes.
+        let runs = system.aig.and(before.active[t.0.index()], !before.fresh[i]);
+        let passed = system.aig.or(before.past[i], clocks[i]);
+        let passed = system.aig.or(!runs, passed);
+        system.fairness(name(t), passed);
+    }
     for i in 1..timers.len() {
         // They are in order of state and time.
         if timers[i].0 == timers[i - 1].0 {
@@ -283,5 +291,6 @@ fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
         marks: each(&state.marks),
         last: state.last.iter().map(|l| l.map(|l| each(&[l])[0])).collect(),
         integers: state.integers.iter().map(|i| each(i)).collect(),
+        scans: state.scans.iter().map(|n| each(n)).collect(),
     }
 }

@@ -78,6 +78,9 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
             let time = system.input(format!("rule {} fires", i + 1), Giver::Plant);
             let ripe = system.aig.and(held, time);
             let fires = system.aig.and(pending, ripe);
+            // A rule whose condition holds for ever acts.
+            let acts = system.aig.or(!pending, fires);
+            system.fairness(format!("rule {}", i + 1), acts);
             system.latches[latch].next = system.aig.and(pending, !fires);
             fires
         };
@@ -182,6 +185,11 @@ impl Moving<'_> {
         }
         for p in [0, 1] {
             system.latches[latches + p].next = then[p];
+        }
+        for p in [0, 1] {
+            // An actuator that is ordered for ever arrives.
+            let there = system.aig.or(!toward[p], then[p]);
+            system.fairness(format!("{} to {}", actuator.name, actuator.positions[p].name), there);
         }
         for sensor in &travel.sensors {
             self.inputs[sensor.input.index()] = then[sensor.position].xor(!sensor.there);

@@ -88,7 +88,10 @@ fn a_loop_is_replayed_and_its_scenario_fails_until_the_model_is_mended() {
         assert_eq!(plays(&text), [false, false], "{}", run.scenario);
         // The scenario holds the sensors as they were found, so what is mended must not wait for the ram.
         let mended = text
-            .replace("move from Waiting to Pressing as Down when Part and not Stop", "from Waiting to Pressing when Part")
+            .replace(
+                "move from Waiting to Pressing as Down when Part and not Stop",
+                "from Waiting to Pressing when Part",
+            )
             .replace("in(Down)", "in(Pressing)");
         assert_eq!(plays(&mended), [true, true], "{}", run.scenario);
     }

@@ -149,7 +149,7 @@ fn the_command_shows_a_run_or_says_what_is_wrong() {
     let machine = machine.expect("the model is right");
     let subject = Subject::new(&machine, Program::Chart, false).expect("it can be verified");
     let (trace, named) = refuted(&subject, "P1");
-    d.write("found", &aiger(&trace, &named));
+    d.write("found", aiger(&trace, &named));
     let output = chartwright(d.path(), "replay gate.chart found --scenario again.chart --vcd run.vcd");
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     for says in ["P1: never LAMP and Near and Far", "Active in scan 4:\nGate\n  Passing", "[ Cmd_LAMP=1 ]"] {

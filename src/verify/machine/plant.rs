@@ -137,7 +137,9 @@ pub fn width(count: &Count) -> usize {
 
 /// The plant while it moves.
 pub struct Moving<'m> {
+    /// The machine that it belongs to.
     pub machine: &'m Machine,
+    /// Whether a scan has run.
     pub started: Lit,
     /// What stands at the terminals.
     pub outputs: Vec<Lit>,
@@ -145,16 +147,22 @@ pub struct Moving<'m> {
     pub earlier: Vec<Lit>,
     /// The first of the latches that keep that.
     pub first_earlier: usize,
+    /// For each input, its value now.
     pub inputs: Vec<Lit>,
+    /// For each input, its value in the scan before.
     pub past_inputs: Vec<Lit>,
+    /// For each hidden bit, its value now.
     pub bits: Vec<Lit>,
+    /// For each hidden bit, its value in the scan before.
     pub past_bits: Vec<Lit>,
+    /// For each hidden integer, its value now.
     pub counts: Vec<Vector>,
     /// For each hidden integer, the first of its latches.
     pub count_latches: Vec<usize>,
 }
 
 impl Moving<'_> {
+    /// Where the value of an input or hidden bit stands.
     pub fn place(&mut self, given: Given) -> &mut Lit {
         match given {
             Given::Input(i) => &mut self.inputs[i.index()],
@@ -162,10 +170,12 @@ impl Moving<'_> {
         }
     }
 
+    /// The value of an input or hidden bit.
     pub fn value(&mut self, given: Given) -> Lit {
         *self.place(given)
     }
 
+    /// Whether a condition holds now.
     pub fn holds(&self, aig: &mut Aig, condition: &Condition) -> Lit {
         aig.expression(condition, &mut |aig, &seen| match seen {
             Seen::Machine(Atom::Input(i)) => self.inputs[i.index()],

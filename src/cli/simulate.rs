@@ -121,7 +121,18 @@ fn known(machine: &Machine, inputs: &Inputs) -> Result<(Inputs, Vec<Option<Input
             let name = annotate_snippets::normalize_untrusted_str(name);
             return Err(format!("the machine has no input `{name}`"));
         }
+        if found.is_some() && columns.contains(&found) {
+            return Err(format!("two columns are for the input `{name}`"));
+        }
         columns.push(found);
+    }
+    let inputs_only = |(column, _): &&(usize, i64)| columns[*column].is_some();
+    for scan in 0..=inputs.last() {
+        let mut changes = inputs.before(scan).iter().filter(inputs_only);
+        if let Some((column, value)) = changes.find(|(_, value)| !matches!(value, 0 | 1)) {
+            let name = &inputs.names[*column];
+            return Err(format!("the input `{name}` is given {value} in scan {scan}, which is neither 0 nor 1"));
+        }
     }
     Ok((inputs.clone(), columns))
 }

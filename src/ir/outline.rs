@@ -3,7 +3,7 @@
 
 use super::chart::*;
 use super::expr::CHART;
-use super::scenario::{Alteration, Condition, CountId, Doing, Given, Step};
+use super::scenario::{Alteration, Condition, CountId, Doing, Given, PropertyKind, Step};
 use super::sop::Product;
 use std::fmt::{self, Write};
 
@@ -80,7 +80,14 @@ impl Writer<'_> {
             writeln!(self.out, "{kind} {}: {} = 0{yields}", c.name, self.products(&c.products))?;
         }
         for p in &m.properties {
-            writeln!(self.out, "property {}: {} {}", p.name, p.kind.words(), self.condition(&p.condition))?;
+            let word = if p.kind == PropertyKind::Fair { "fairness" } else { "property" };
+            let holds = self.condition(&p.condition);
+            match &p.after {
+                Some(after) => {
+                    writeln!(self.out, "{word} {}: after {} eventually {holds}", p.name, self.condition(after))?;
+                }
+                None => writeln!(self.out, "{word} {}: {} {holds}", p.name, p.kind.words())?,
+            }
         }
         self.plant()?;
         for s in &m.scenarios {

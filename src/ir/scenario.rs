@@ -235,6 +235,8 @@ pub struct Property {
     pub name: String,
     /// In which runs and how often.
     pub kind: PropertyKind,
+    /// After what, if it says so.
+    pub after: Option<Condition>,
     /// What, at the end of a scan.
     pub condition: Condition,
     /// Why, in words.

@@ -88,8 +88,14 @@ impl Writer {
         if !m.properties.is_empty() {
             self.block(format_args!("properties"), |w| {
                 m.properties.iter().try_for_each(|p| {
-                    let (name, words, text) = (&p.name.text, p.kind.words(), text(&p.text));
-                    w.line(format_args!("{name}: {words} {}{text}", condition(&p.condition)))
+                    let assumed = if p.kind == PropertyKind::Fair { "assume " } else { "" };
+                    let (name, text, holds) = (&p.name.text, text(&p.text), condition(&p.condition));
+                    match &p.after {
+                        Some(after) => {
+                            w.line(format_args!("{name}: after {} eventually {holds}{text}", condition(after)))
+                        }
+                        None => w.line(format_args!("{assumed}{name}: {} {holds}{text}", p.kind.words())),
+                    }
                 })
             })?;
         }

@@ -1,9 +1,10 @@
 //! What a chart counts, as rows of bits.
 
-use super::parts::WIDTH;
+use super::chart_filter::Filtered;
+use super::parts::{SCAN_WIDTH, WIDTH};
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
-use crate::ir::chart::{IntegerId, Machine};
+use crate::ir::chart::{IntegerId, LAST_SCAN, Machine};
 use crate::ir::number::{Comparison, Number, Relation};
 
 /// The integers at power-up.
@@ -47,4 +48,25 @@ pub fn compare_of<A>(aig: &mut Aig, comparison: &Comparison<A>, value: &impl Fn(
         Relation::Greater => !aig.or(negative, zero),
         Relation::GreaterOrEqual => !negative,
     }
+}
+
+/// The number of no scan.
+pub fn no_scan() -> Vector {
+    vec![Lit::FALSE; usize::from(SCAN_WIDTH)]
+}
+
+/// The numbers that the filter keeps after a scan: which one it is, and in which one began what is noted.
+/// Nothing if they were not kept before.
+pub fn scans(aig: &mut Aig, before: &[Vector], filtered: &Filtered) -> Vec<Vector> {
+    let ([this, first], [noted, ..]) = (before, filtered.marks.as_slice()) else { return Vec::new() };
+    let width = usize::from(SCAN_WIDTH);
+    // They have no sign.
+    let this: Vector = this.iter().copied().chain([Lit::FALSE]).collect();
+    let last = vector::equal(aig, &this, &vector::constant(i64::from(LAST_SCAN)));
+    let more = vector::add(aig, &this, &vector::constant(1));
+    let next = vector::select(aig, last, &vector::constant(1), &more);
+    let now = vector::select(aig, *noted, &next, &vector::constant(0));
+    let kept: Vector = first.iter().copied().chain([Lit::FALSE]).collect();
+    let first = vector::select(aig, filtered.held, &kept, &now);
+    [next, first].map(|number| vector::fit(&number, width)).into()
 }

@@ -137,12 +137,7 @@ impl Resolver {
     }
 
     /// Resolves both sides of a comparison, and reports one that the ranges decide.
-    pub fn comparison<A>(
-        &mut self,
-        written: &Comparison<Name>,
-        span: Span,
-        named: &Named<A>,
-    ) -> Option<Comparison<A>> {
+    pub fn comparison<A>(&mut self, written: &Comparison<Name>, span: Span, named: &Named<A>) -> Option<Comparison<A>> {
         let (left, right) = (self.number(&written.left, span, named), self.number(&written.right, span, named));
         let (Ok((left, of_left)), Ok((right, of_right))) = (left, right) else { return None };
         if let Some(value) = written.relation.decided(of_left, of_right) {

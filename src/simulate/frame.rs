@@ -19,16 +19,21 @@ pub struct Layout {
     marks: usize,
     integers: usize,
     counts: usize,
+    first_scan: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
-/// states, alarms of constraints, alarms of assumptions, what the filter remembers, and each integer, hidden ones last, as the
-/// [`WIDTH`] bits of its two's complement, the lowest first.
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers, each integer, hidden ones last, as the
+/// [`WIDTH`] bits of its two's complement, the lowest first, and the [`SCAN_WIDTH`] bits of the number of the scan in which
+/// began what the filter notes.
 pub type Frame = Vec<bool>;
 
 /// How many places an integer takes: those of an INT.
 pub const WIDTH: usize = 16;
+
+/// How many places the number of a scan takes: those of a UDINT.
+pub const SCAN_WIDTH: usize = 32;
 
 impl Layout {
     /// The layout for `machine`.
@@ -43,8 +48,9 @@ impl Layout {
         let marks = broken + machine.safety.assumptions.len();
         let integers = marks + machine.safety.marks().count();
         let counts = integers + machine.integers.len() * WIDTH;
-        let len = counts + machine.plant.counts.len() * WIDTH;
-        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, counts, len }
+        let first_scan = counts + machine.plant.counts.len() * WIDTH;
+        let len = first_scan + if machine.safety.reset.is_some() { SCAN_WIDTH } else { 0 };
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, counts, first_scan, len }
     }
 
     /// A frame with all values FALSE.
@@ -198,7 +204,20 @@ impl Layout {
 
     /// The places of hidden integers.
     pub fn counts(&self) -> Range<usize> {
-        self.counts..self.len
+        self.counts..self.first_scan
+    }
+
+    /// The number of the scan in which began what the filter notes; nothing of a filter that notes nothing.
+    pub fn first_scan(&self, frame: &[bool]) -> Option<u32> {
+        let bits = &frame[self.first_scan..self.len];
+        (!bits.is_empty()).then(|| bits.iter().rev().fold(0, |n, &bit| n << 1 | u32::from(bit)))
+    }
+
+    /// Puts that number into a frame.
+    pub fn put_first_scan(&self, number: u32, frame: &mut [bool]) {
+        for (i, bit) in frame[self.first_scan..self.len].iter_mut().enumerate() {
+            *bit = number >> i & 1 == 1;
+        }
     }
 
     /// What a condition reads, in a frame and the one before.

@@ -16,4 +16,5 @@ pub mod record;
 pub mod run;
 pub mod scenario;
 pub mod trace;
+pub mod tree;
 pub mod vcd;

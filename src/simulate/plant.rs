@@ -162,7 +162,8 @@ impl Plant {
             return;
         }
         let before = self.values.clone();
-        for outcome in happening.outcomes.iter().filter(|o| self.layout.holds(machine, &o.condition, &before, &before)) {
+        for outcome in happening.outcomes.iter().filter(|o| self.layout.holds(machine, &o.condition, &before, &before))
+        {
             match &outcome.change {
                 Alteration::Bit(bit, value) => self.values[self.layout.bit(*bit)] = *value,
                 Alteration::Count(id, value) => {

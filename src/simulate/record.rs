@@ -2,7 +2,7 @@
 
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
-use crate::ir::chart::{Machine, StateId};
+use crate::ir::chart::{Machine, ScanNumber, StateId};
 use crate::ir::scenario::{Counted, Seen};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
@@ -62,7 +62,7 @@ impl Recording {
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
     /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, what the filter remembers,
-    /// integer and hidden integer.
+    /// integer and hidden integer, and as `scan(first)` the scan in which began what the filter notes.
     pub fn csv(&self, machine: &Machine) -> String {
         let layout = Layout::of(machine);
         let mut out = String::from("scan");
@@ -78,13 +78,16 @@ impl Recording {
             for integer in counted(machine) {
                 let _ = write!(out, ",{}", layout.counted(integer, frame));
             }
+            if let Some(number) = layout.first_scan(frame) {
+                let _ = write!(out, ",{number}");
+            }
             out.push('\n');
         }
         out
     }
 }
 
-/// What the places of a frame are called in CSV, in order.
+/// What the columns behind the first one are called in CSV, in order: those of single places, then numbers.
 pub fn columns(machine: &Machine) -> Vec<String> {
     let mut names: Vec<String> = machine.inputs.values().map(|i| i.name.clone()).collect();
     names.extend(machine.plant.bits.values().map(|b| b.name.clone()));
@@ -96,6 +99,7 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
     names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
     names.extend(counted(machine).map(|i| machine.counted(i).to_owned()));
+    names.extend(machine.safety.reset.map(|_| machine.scan_number(ScanNumber::First).to_owned()));
     names
 }
 
@@ -185,6 +189,11 @@ impl Names {
         }
         let marks = self.layout.marks().filter(|&i| was(i) != now[i]);
         cells[1].extend(marks.map(|i| sign(now[i], &self.columns[i])));
+        if let Some(number) = self.layout.first_scan(now)
+            && before.map_or(0, |b| self.layout.first_scan(b).unwrap_or(0)) != number
+        {
+            cells[1].extend(self.columns.last().map(|column| format!("{column}={number}")));
+        }
         for leaves in [true, false] {
             for &state in &self.elementary {
                 let i = self.layout.state(state);

@@ -5,7 +5,7 @@ use super::frame::{Frame, Layout};
 use super::plant::Plant;
 use super::plc::Plc;
 use crate::base::Span;
-use crate::ir::chart::{Atom, InputId, Machine, Mark};
+use crate::ir::chart::{Atom, InputId, Machine, Mark, ScanNumber};
 use crate::ir::number::Comparison;
 use crate::ir::plc::{self, Role};
 use crate::ir::scenario::{Condition, CountId, Counted, Seen};
@@ -29,6 +29,8 @@ pub struct Wired {
     shown: Vec<(usize, VarId)>,
     /// For each integer, its variable.
     integers: Vec<VarId>,
+    /// Of a filter with a reset, the number of the scan in which began what it notes.
+    first_scan: Option<VarId>,
 }
 
 impl Program {
@@ -94,7 +96,8 @@ impl Program {
                 },
             );
         }
-        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers }))
+        let first_scan = machine.safety.reset.map(|_| find(Role::FirstScan, "filter", machine.safety.span)[0]);
+        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers, first_scan }))
     }
 
     /// Runs one scan with the inputs that stand in `frame` and writes all else into it.
@@ -126,6 +129,7 @@ impl Program {
                 for mark in machine.safety.marks() {
                     frame[layout.mark(mark)] = chart.mark(mark);
                 }
+                layout.put_first_scan(chart.scan_number(ScanNumber::First), frame);
             }
             Program::Plc(wired) => {
                 for (&variable, &value) in wired.inputs.iter().zip(&frame[layout.inputs()]) {
@@ -139,6 +143,9 @@ impl Program {
                 }
                 for (id, &variable) in machine.integers.ids().zip(&wired.integers) {
                     layout.put_integer(id, wired.plc.read(variable), frame);
+                }
+                if let Some(variable) = wired.first_scan {
+                    layout.put_first_scan(wired.plc.read(variable) as u32, frame);
                 }
             }
         }

@@ -4,7 +4,7 @@
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
-use super::frame::{Frame, Layout, WIDTH};
+use super::frame::{Frame, Layout, SCAN_WIDTH, WIDTH};
 use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
 use crate::ir::chart::{Machine, RegionId};
@@ -21,6 +21,7 @@ pub fn write(machine: &Machine, recording: &Recording) -> String {
         writer: Writer::new(Vec::new()),
         bits: Vec::new(),
         integers: Vec::new(),
+        first_scan: None,
         regions: Vec::new(),
     };
     dump.head();
@@ -36,6 +37,8 @@ struct Dump<'m> {
     bits: Vec<(IdCode, usize)>,
     /// The variables that hold integers.
     integers: Vec<(IdCode, Counted)>,
+    /// The variable that holds the number of the scan in which began what the filter notes.
+    first_scan: Option<IdCode>,
     /// The variables that name the active state of a region.
     regions: Vec<(IdCode, RegionId)>,
 }
@@ -58,6 +61,12 @@ impl Dump<'_> {
         self.numbers("integers", machine.integers.ids().map(Counted::Program).collect());
         self.group("alarms", alarms);
         self.group("filter", layout.marks());
+        if machine.safety.reset.is_some() {
+            self.writer.add_module("filter").expect(MEMORY);
+            let code = self.writer.add_var(VarType::Reg, SCAN_WIDTH as u32, "first_scan", None).expect(MEMORY);
+            self.first_scan = Some(code);
+            self.writer.upscope().expect(MEMORY);
+        }
         for chart in &machine.charts {
             self.writer.add_module(&chart.name).expect(MEMORY);
             for &region in &chart.regions {
@@ -146,6 +155,12 @@ impl Dump<'_> {
                     let bits = (0..WIDTH).rev().map(|bit| vcd::Value::from(value >> bit & 1 == 1));
                     self.writer.change_vector(code, bits).expect(MEMORY);
                 }
+            }
+            if let (Some(code), Some(number)) = (self.first_scan, self.layout.first_scan(frame))
+                && before.is_none_or(|b| self.layout.first_scan(b) != Some(number))
+            {
+                let bits = (0..SCAN_WIDTH).rev().map(|bit| vcd::Value::from(number >> bit & 1 == 1));
+                self.writer.change_vector(code, bits).expect(MEMORY);
             }
             for &(id, region) in &self.regions {
                 let states = &self.machine.regions[region].states;

@@ -137,9 +137,9 @@ pub fn width(count: &Count) -> usize {
 
 /// The plant while it moves.
 pub struct Moving<'m> {
-    /// The machine that it belongs to.
+    /// Whose plant it is.
     pub machine: &'m Machine,
-    /// Whether a scan has run.
+    /// Whether a scan has run before.
     pub started: Lit,
     /// What stands at the terminals.
     pub outputs: Vec<Lit>,
@@ -147,22 +147,22 @@ pub struct Moving<'m> {
     pub earlier: Vec<Lit>,
     /// The first of the latches that keep that.
     pub first_earlier: usize,
-    /// For each input, its value now.
+    /// For each input, its value as far as the plant has come.
     pub inputs: Vec<Lit>,
-    /// For each input, its value in the scan before.
+    /// For each input, what the program read last.
     pub past_inputs: Vec<Lit>,
-    /// For each hidden bit, its value now.
+    /// For each hidden bit, its value as far as the plant has come.
     pub bits: Vec<Lit>,
     /// For each hidden bit, its value in the scan before.
     pub past_bits: Vec<Lit>,
-    /// For each hidden integer, its value now.
+    /// For each hidden integer, its value as far as the plant has come.
     pub counts: Vec<Vector>,
     /// For each hidden integer, the first of its latches.
     pub count_latches: Vec<usize>,
 }
 
 impl Moving<'_> {
-    /// Where the value of an input or hidden bit stands.
+    /// Where the value of an input or hidden bit is kept.
     pub fn place(&mut self, given: Given) -> &mut Lit {
         match given {
             Given::Input(i) => &mut self.inputs[i.index()],
@@ -175,7 +175,7 @@ impl Moving<'_> {
         *self.place(given)
     }
 
-    /// Whether a condition holds now.
+    /// Whether a condition of the plant holds as far as it has come.
     pub fn holds(&self, aig: &mut Aig, condition: &Condition) -> Lit {
         aig.expression(condition, &mut |aig, &seen| match seen {
             Seen::Machine(Atom::Input(i)) => self.inputs[i.index()],
@@ -208,6 +208,9 @@ impl Moving<'_> {
             let time = system.input(format!("rule {} fires", i + 1), Giver::Plant);
             let ripe = system.aig.and(held, time);
             let fires = system.aig.and(pending, ripe);
+            // A rule whose condition holds for ever acts.
+            let acts = system.aig.or(!pending, fires);
+            system.fairness(format!("rule {}", i + 1), acts);
             let waits = system.aig.and(pending, !fires);
             system.latches[latch].next = system.aig.select(turn, waits, held);
             fires
@@ -298,6 +301,12 @@ impl Moving<'_> {
         }
         for p in [0, 1] {
             system.latches[latches + p].next = then[p];
+        }
+        for p in [0, 1] {
+            // An actuator that is ordered for ever arrives.
+            let there = system.aig.or(!toward[p], then[p]);
+            let actuator = &self.machine.actuators[travel.actuator];
+            system.fairness(format!("{} to {}", actuator.name, actuator.positions[p].name), there);
         }
         self.sense(travel, then);
     }

@@ -33,7 +33,7 @@ impl Running<'_> {
         // Once over literals that mean nothing, to know which bit is what.
         let mut aig = Aig::new();
         let inputs: Vec<Lit> = machine.inputs.values().map(|_| Lit::FALSE).collect();
-        let step = ChartStep::new(machine, self.rounds);
+        let step = ChartStep::new(machine, self.rounds).without_scans();
         let shape = map(&step.first(&mut aig, &inputs).after, &mut |_| aig.leaf(""));
         let mut names = BTreeMap::new();
         let mut name = |lits: &[Lit], words: Vec<String>| names.extend(lits.iter().copied().zip(words));
@@ -53,12 +53,12 @@ impl Running<'_> {
     /// One scan, the first one if it has not `started`. What it leaves open comes into the system: the course of
     /// time, and what an unknown program does.
     pub fn scan(&self, system: &mut System, started: Lit, before: &ChartState, inputs: &[Lit]) -> ChartScan {
-        let step = ChartStep::new(self.machine, self.rounds);
+        let step = ChartStep::new(self.machine, self.rounds).without_scans();
         let step = match self.program {
             Program::Chart => step,
             Program::Any => step.behind(unknown(system, self.machine)),
         };
-        let clocks = self.clocks(system, &step);
+        let clocks = self.clocks(system, &step, before);
         let later = step.scan(&mut system.aig, before, inputs, &clocks);
         let first = step.first(&mut system.aig, inputs);
         either(&mut system.aig, started, &later, &first)
@@ -66,7 +66,7 @@ impl Running<'_> {
 
     /// Whether it waits for times.
     pub fn is_timed(&self) -> bool {
-        ChartStep::new(self.machine, self.rounds).timers().any(|(state, _)| self.runs(state))
+        ChartStep::new(self.machine, self.rounds).without_scans().timers().any(|(state, _)| self.runs(state))
     }
 
     /// Whether the state can be active.
@@ -75,13 +75,19 @@ impl Running<'_> {
     }
 
     /// For each timer, whether its time has passed by now, if it runs.
-    fn clocks(&self, system: &mut System, step: &ChartStep<'_>) -> Vec<Lit> {
+    fn clocks(&self, system: &mut System, step: &ChartStep<'_>, before: &ChartState) -> Vec<Lit> {
         let timers: Vec<(StateId, u32)> = step.timers().collect();
-        let mut clock = |&(s, ms): &(StateId, u32)| {
-            let name = || format!("{ms} ms of {} have passed", self.machine.state_path(s));
-            if self.runs(s) { system.input(name(), Giver::Clock) } else { Lit::FALSE }
-        };
+        let name = |&(s, ms): &(StateId, u32)| format!("{ms} ms of {} have passed", self.machine.state_path(s));
+        let mut clock =
+            |t: &(StateId, u32)| if self.runs(t.0) { system.input(name(t), Giver::Clock) } else { Lit::FALSE };
         let clocks: Vec<Lit> = timers.iter().map(&mut clock).collect();
+        for (i, t) in timers.iter().enumerate().filter(|(_, t)| self.runs(t.0)) {
+            // A time that runs for ever passes.
+            let runs = system.aig.and(before.active[t.0.index()], !before.fresh[i]);
+            let passed = system.aig.or(before.past[i], clocks[i]);
+            let passed = system.aig.or(!runs, passed);
+            system.fairness(name(t), passed);
+        }
         for i in 1..timers.len() {
             // They are in order of state and time.
             if timers[i].0 == timers[i - 1].0 && self.runs(timers[i].0) {
@@ -158,5 +164,6 @@ pub fn map(state: &ChartState, f: &mut impl FnMut(Lit) -> Lit) -> ChartState {
         marks: each(&state.marks),
         last: state.last.iter().map(|l| l.map(|l| each(&[l])[0])).collect(),
         integers: state.integers.iter().map(|i| each(i)).collect(),
+        scans: state.scans.iter().map(|n| each(n)).collect(),
     }
 }

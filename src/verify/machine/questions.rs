@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 pub enum Question {
     /// A property of the machine, by index.
     Declared(usize),
+    /// Whether what the property of that index speaks of, its `after`, happens in some fair run; else it says nothing.
+    Arises(usize),
     /// Whether the outputs violate the constraint in spite of the filter.
     Violated(ConstraintId),
     /// Whether inputs that the assumptions allow always exist; the claim says that no run gets stuck.
@@ -34,7 +36,7 @@ impl Question {
     pub fn hopes_for_a_run(self, machine: &Machine) -> bool {
         match self {
             Question::Declared(i) => machine.properties[i].kind == PropertyKind::Reachable,
-            Question::Active(_) | Question::Fires(_) => true,
+            Question::Active(_) | Question::Fires(_) | Question::Arises(_) => true,
             Question::Violated(_)
             | Question::Assumable
             | Question::Moves
@@ -47,7 +49,11 @@ impl Question {
     pub fn is_demand(self) -> bool {
         match self {
             Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => true,
-            Question::Active(_) | Question::Fires(_) | Question::Together(..) | Question::Acts(_) => false,
+            Question::Arises(_)
+            | Question::Active(_)
+            | Question::Fires(_)
+            | Question::Together(..)
+            | Question::Acts(_) => false,
         }
     }
 }
@@ -57,7 +63,9 @@ impl Subject<'_> {
     pub(super) fn ask_about_outputs(&mut self, program: Program) {
         let machine = self.machine;
         for (i, p) in machine.properties.iter().enumerate() {
-            if program == Program::Any && reads_states(machine, &p.condition) {
+            // Nobody can expect something of a program of which nothing is known.
+            let eventually = matches!(p.kind, PropertyKind::Eventually | PropertyKind::Fair);
+            if program == Program::Any && (eventually || reads_states(machine, &p.condition)) {
                 continue;
             }
             let aig = &mut self.system.aig;
@@ -68,6 +76,17 @@ impl Subject<'_> {
                 PropertyKind::Never | PropertyKind::Reachable => Property::Never(holds),
                 PropertyKind::Always => Property::Never(fails),
                 PropertyKind::AlwaysPossible => Property::AlwaysPossible(holds),
+                PropertyKind::Eventually => {
+                    let aig = &mut self.system.aig;
+                    let after = p.after.as_ref().map_or(Lit::TRUE, |after| self.view.holds(aig, machine, after));
+                    let arises = Property::Eventually { after, then: Lit::FALSE };
+                    self.ask(Question::Arises(i), format!("{} is void", p.name), arises);
+                    Property::Eventually { after, then: holds }
+                }
+                PropertyKind::Fair => {
+                    self.system.fairness(p.name.clone(), holds);
+                    continue;
+                }
             };
             self.ask(Question::Declared(i), p.name.clone(), property);
         }
@@ -79,8 +98,7 @@ impl Subject<'_> {
         if !machine.safety.assumptions.is_empty() {
             // A plant that goes by steps may always have one to take.
             let reading = self.view.turn.reading;
-            let kept =
-                if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
+            let kept = if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
             self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), kept);
         }
     }

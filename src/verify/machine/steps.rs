@@ -146,13 +146,21 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         places.push((latches, at));
         let toward = plant.toward(&mut system.aig, travel, ordered);
         moves.extend([0, 1].map(|p| going(system, machine, travel, p, toward[p], at, latches)));
+        for p in [0, 1] {
+            // An actuator that is ordered for ever arrives. Of a step that a model writes nothing is owed.
+            let there = system.aig.or(!toward[p], at[p]);
+            let actuator = &machine.actuators[travel.actuator];
+            system.fairness(format!("{} to {}", actuator.name, actuator.positions[p].name), there);
+        }
     }
 
     let happens = choose(system, &moves);
     let program = !system.aig.any(&happens);
     let aig = &mut system.aig;
     let (reading, writing) = (aig.and(program, !waits), aig.and(program, waits));
-    let stays = aig.and(waits, !writing);
+    // The program runs again and again, whatever happens meanwhile.
+    system.fairness("inputs are read", reading);
+    let stays = system.aig.and(waits, !writing);
     system.latches[waits_latch].next = system.aig.or(reading, stays);
 
     // What happens, and what valves do when outputs are written.
@@ -228,14 +236,8 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         }
     }
     let words = moves.into_iter().map(|m| m.words);
-    let turn = Turn {
-        reading,
-        writing,
-        waiting,
-        moves: happens.into_iter().zip(words).collect(),
-        waits,
-        first_waiting,
-    };
+    let turn =
+        Turn { reading, writing, waiting, moves: happens.into_iter().zip(words).collect(), waits, first_waiting };
     Terminals { inputs: plant.inputs, bits, past_bits: plant.past_bits, counts: counted, turn }
 }
 

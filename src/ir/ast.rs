@@ -486,8 +486,8 @@ pub struct Happening {
     pub text: Text,
     /// When it may.
     pub condition: Guard,
-    /// What comes of it.
-    pub effects: Vec<Effect>,
+    /// What comes of it, each with its own condition, if it has one.
+    pub outcomes: Vec<(Effect, Option<Guard>)>,
 }
 
 /// `hidden Work "a jar stands at the work place"`, `hidden Stroke : 0..4 := 0 "…"`.

@@ -3,7 +3,7 @@
 
 use super::chart::*;
 use super::expr::CHART;
-use super::scenario::{Condition, CountId, Doing, Given, PropertyKind, Step};
+use super::scenario::{Alteration, Condition, CountId, Doing, Given, PropertyKind, Step};
 use super::sop::Product;
 use std::fmt::{self, Write};
 
@@ -110,16 +110,21 @@ impl Writer<'_> {
             writeln!(self.out, "by steps")?;
         }
         for h in &m.plant.happenings {
+            writeln!(self.out, "step {:?} when {}", h.text, self.condition(&h.condition))?;
             let name = |c: &CountId| m.plant.counts[*c].name.as_str();
-            let bits = h.bits.iter().map(|&(b, v)| format!("{} := {v}", m.plant.bits[b].name));
-            let counts = h.counts.iter().map(|(c, n)| {
-                let mut value = String::new();
-                let written = n.write(&mut value, &mut |c, f| f.write_str(name(c)));
-                written.expect("writing to a string succeeds");
-                format!("{} := {value}", name(c))
-            });
-            let effects = bits.chain(counts).collect::<Vec<_>>().join(", ");
-            writeln!(self.out, "step {:?} when {}: {effects}", h.text, self.condition(&h.condition))?;
+            for outcome in &h.outcomes {
+                let condition = self.condition(&outcome.condition);
+                match &outcome.change {
+                    Alteration::Bit(b, value) => {
+                        writeln!(self.out, "  {} := {value} when {condition}", m.plant.bits[*b].name)?;
+                    }
+                    Alteration::Count(c, value) => {
+                        write!(self.out, "  {} := ", name(c))?;
+                        value.write(&mut self.out, &mut |c, f| f.write_str(name(c)))?;
+                        writeln!(self.out, " when {condition}")?;
+                    }
+                }
+            }
         }
         for &bit in &m.plant.unknown {
             writeln!(self.out, "initially any {}", m.plant.bits[bit].name)?;

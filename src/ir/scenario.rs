@@ -115,13 +115,29 @@ pub struct Happening {
     pub text: String,
     /// When it may.
     pub condition: Condition,
-    /// The bits that change.
-    pub bits: Vec<(BitId, bool)>,
-    /// The integers that change; their values are computed from before, and what would leave a range stops at
-    /// its bound.
-    pub counts: Vec<(CountId, Number<CountId>)>,
+    /// What comes of it, in order; of several that change the same thing the last one counts whose condition
+    /// holds. All conditions and values are read from before the step.
+    pub outcomes: Vec<Outcome>,
     /// Where it is written.
     pub span: Span,
+}
+
+/// Something that comes of a happening.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What changes.
+    pub change: Alteration,
+    /// When.
+    pub condition: Condition,
+}
+
+/// A change of something hidden.
+#[derive(Clone, Debug)]
+pub enum Alteration {
+    /// A bit becomes TRUE or FALSE.
+    Bit(BitId, bool),
+    /// An integer takes a value; what would leave its range stops at the bound.
+    Count(CountId, Number<CountId>),
 }
 
 /// What a plant or a scenario gives values to.

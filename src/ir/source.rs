@@ -152,8 +152,10 @@ impl Writer {
                 w.line(format_args!("hidden {}{kind}{}", h.name.text, text(&h.description)))?;
             }
             for s in &p.steps {
-                let (when, then) = (condition(&s.condition), then(&s.effects));
-                w.line(format_args!("step{} when {when}{then}", text(&Some(s.text.clone()))))?;
+                let one = |(e, w): &(Effect, Option<Guard>)| format!("{}{}", effects(std::slice::from_ref(e)), when(w));
+                let outcomes = s.outcomes.iter().map(one).collect::<Vec<_>>().join(", ");
+                let head = text(&Some(s.text.clone()));
+                w.line(format_args!("step{head} when {} then {outcomes}", condition(&s.condition)))?;
             }
             if !p.initially.is_empty() {
                 w.block(format_args!("initially"), |w| w.steps(&p.initially))?;

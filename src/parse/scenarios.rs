@@ -138,19 +138,29 @@ fn hidden(p: Pair<'_, Rule>) -> Hidden {
 }
 
 fn happening(p: Pair<'_, Rule>) -> Happening {
-    let (mut words, mut condition, mut effects) = (None, None, Vec::new());
+    let (mut words, mut condition, mut outcomes) = (None, None, Vec::new());
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::text => words = Some(text(p)),
             Rule::expression => condition = Some(guard(p)),
-            Rule::effect => effects.extend(effect(p)),
+            Rule::outcome => {
+                let (mut effects, mut when) = (Vec::new(), None);
+                for p in p.into_inner() {
+                    match p.as_rule() {
+                        Rule::effect => effects.extend(effect(p)),
+                        Rule::expression => when = Some(guard(p)),
+                        _ => {}
+                    }
+                }
+                outcomes.push((effects.pop().expect("an outcome has an effect"), when));
+            }
             _ => {}
         }
     }
     Happening {
         text: words.expect("a step has a text"),
         condition: condition.expect("a step has a condition"),
-        effects,
+        outcomes,
     }
 }
 

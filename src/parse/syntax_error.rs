@@ -95,6 +95,7 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::choice => "`choice`".into(),
         Rule::branch => "`when` or `else`".into(),
         Rule::effect => "`set`, `reset` or `raise`".into(),
+        Rule::outcome => "`set` or `reset`".into(),
         Rule::body | Rule::outer_body | Rule::observer_body => "`{`".into(),
         Rule::close => "`}`".into(),
         Rule::EOI => "the end".into(),

@@ -8,7 +8,7 @@ use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, EffectValue, Name};
 use crate::ir::expr::Expr;
 use crate::ir::number::{Comparison, Number};
-use crate::ir::scenario::{Condition, CountId, Counted, Happening, Seen};
+use crate::ir::scenario::{Alteration, Condition, CountId, Counted, Happening, Outcome, Seen};
 
 /// What a plant counts.
 const HIDDEN: Named<CountId> = Named {
@@ -61,33 +61,55 @@ impl Resolver {
     pub fn happening(&mut self, written: &ast::Happening) {
         let condition = self.condition(&written.condition, &Context::Plant);
         self.timeless(&condition, written.condition.span);
-        let span = written.text.span;
-        let mut happening =
-            Happening { text: written.text.value.clone(), condition, bits: Vec::new(), counts: Vec::new(), span };
-        let mut changed: Vec<(Symbol, Span)> = Vec::new();
-        for effect in &written.effects {
+        let mut outcomes = Vec::new();
+        // What has been changed whatever else is so; then a second change makes no sense.
+        let mut always: Vec<(Symbol, Span)> = Vec::new();
+        for (effect, when) in &written.outcomes {
             let name = &effect.variable;
             let symbol = self.symbol(&name.text);
-            if let Some(&(_, first)) = changed.iter().find(|(s, _)| Some(*s) == symbol) {
-                self.diagnostics.push(
-                    Diagnostic::new(Code::Repeated, format!("`{}` changes twice in one step", name.text))
-                        .label(name.span, "changed again")
-                        .label(first, "first changed here"),
-                );
-                continue;
-            }
-            changed.extend(symbol.map(|s| (s, name.span)));
-            match (symbol, &effect.value) {
-                (Some(Symbol::Bit(bit)), EffectValue::Bool(value)) => happening.bits.push((bit, *value)),
-                (Some(Symbol::Count(count)), EffectValue::Integer(value, span)) => {
-                    happening.counts.extend(self.counted(count, value, *span).map(|value| (count, value)));
+            match (always.iter().find(|(s, _)| Some(*s) == symbol), when) {
+                (Some(&(_, first)), None) => {
+                    self.diagnostics.push(
+                        Diagnostic::new(Code::Repeated, format!("`{}` changes twice in one step", name.text))
+                            .label(name.span, "changed again")
+                            .label(first, "first changed here"),
+                    );
+                    continue;
                 }
-                (Some(Symbol::Count(_)), _) => self.wrong_symbol(name, symbol, "a hidden bit"),
-                (_, EffectValue::Integer(..)) => self.wrong_symbol(name, symbol, "a hidden integer"),
-                _ => self.wrong_symbol(name, symbol, "a hidden bit or integer"),
+                (None, None) => always.extend(symbol.map(|s| (s, name.span))),
+                (_, Some(_)) => {}
             }
+            let condition = match when {
+                Some(when) => {
+                    let condition = self.condition(when, &Context::Plant);
+                    self.timeless(&condition, when.span);
+                    condition
+                }
+                None => Expr::TRUE,
+            };
+            let change = match (symbol, &effect.value) {
+                (Some(Symbol::Bit(bit)), EffectValue::Bool(value)) => Alteration::Bit(bit, *value),
+                (Some(Symbol::Count(count)), EffectValue::Integer(value, span)) => {
+                    let Some(value) = self.counted(count, value, *span) else { continue };
+                    Alteration::Count(count, value)
+                }
+                (Some(Symbol::Count(_)), _) => {
+                    self.wrong_symbol(name, symbol, "a hidden bit");
+                    continue;
+                }
+                (_, EffectValue::Integer(..)) => {
+                    self.wrong_symbol(name, symbol, "a hidden integer");
+                    continue;
+                }
+                _ => {
+                    self.wrong_symbol(name, symbol, "a hidden bit or integer");
+                    continue;
+                }
+            };
+            outcomes.push(Outcome { change, condition });
         }
-        self.machine.plant.happenings.push(happening);
+        let (text, span) = (written.text.value.clone(), written.text.span);
+        self.machine.plant.happenings.push(Happening { text, condition, outcomes, span });
     }
 
     fn counted(&mut self, count: CountId, value: &Number<Name>, span: Span) -> Option<Number<CountId>> {

@@ -3,7 +3,7 @@
 use super::chance;
 use super::frame::{Frame, Layout};
 use crate::ir::chart::{ActuatorId, InputId, Machine};
-use crate::ir::scenario::{CountId, Given, Happening, Valve};
+use crate::ir::scenario::{Alteration, CountId, Given, Happening, Valve};
 
 /// The plant of a machine that runs, with what a scenario does to it.
 #[derive(Clone, Debug)]
@@ -161,14 +161,17 @@ impl Plant {
         if !self.can_happen(machine, happening) {
             return;
         }
-        let count = |&c: &CountId| self.layout.count(c, &self.values);
-        let counts: Vec<(CountId, i64)> = happening.counts.iter().map(|(c, n)| (*c, n.eval(&count))).collect();
-        for (id, value) in counts {
-            let range = machine.plant.counts[id].range;
-            self.layout.put_count(id, value.clamp(range.lowest, range.highest), &mut self.values);
-        }
-        for &(bit, value) in &happening.bits {
-            self.values[self.layout.bit(bit)] = value;
+        let before = self.values.clone();
+        for outcome in happening.outcomes.iter().filter(|o| self.layout.holds(machine, &o.condition, &before, &before))
+        {
+            match &outcome.change {
+                Alteration::Bit(bit, value) => self.values[self.layout.bit(*bit)] = *value,
+                Alteration::Count(id, value) => {
+                    let range = machine.plant.counts[*id].range;
+                    let value = value.eval(&|&c| self.layout.count(c, &before));
+                    self.layout.put_count(*id, value.clamp(range.lowest, range.highest), &mut self.values);
+                }
+            }
         }
     }
 

@@ -17,7 +17,7 @@ use super::program::map;
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::Machine;
 use crate::ir::number::Range as Bounds;
-use crate::ir::scenario::{CountId, Given, Happening, Travel, Valve};
+use crate::ir::scenario::{Alteration, CountId, Given, Happening, Travel, Valve};
 use crate::prove::chart_numbers::number_of;
 use crate::prove::chart_step::{ChartScan, ChartState};
 use std::ops::Range;
@@ -95,10 +95,15 @@ impl Turn {
 struct Move {
     words: String,
     may: Lit,
-    bits: Vec<(usize, bool)>,
-    counts: Vec<(CountId, Vector)>,
-    /// Latches with their new values.
-    latches: Vec<(usize, Lit)>,
+    outcomes: Vec<(Lit, Then)>,
+}
+
+/// What changes when something happens.
+enum Then {
+    Bit(usize, Lit),
+    Count(usize, Vector),
+    /// A latch of an actuator.
+    Latch(usize, Lit),
 }
 
 /// Lets happen what may. `memory` says which latch keeps what of inputs and hidden bits.
@@ -137,6 +142,7 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         };
         let latches = system.latches.len();
         let at = plant.at(system, travel.actuator);
+        (0..2).for_each(|p| system.latches[latches + p].next = at[p]);
         places.push((latches, at));
         let toward = plant.toward(&mut system.aig, travel, ordered);
         moves.extend([0, 1].map(|p| going(system, machine, travel, p, toward[p], at, latches)));
@@ -160,16 +166,19 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     // What happens, and what valves do when outputs are written.
     let (bits, counts) = (plant.bits.clone(), plant.counts.clone());
     for (happens, step) in happens.iter().zip(&moves) {
-        for &(bit, value) in &step.bits {
-            plant.bits[bit] = system.aig.select(*happens, Lit::of(value), plant.bits[bit]);
-        }
-        for (count, value) in &step.counts {
-            let then = &mut plant.counts[count.index()];
-            *then = vector::select(&mut system.aig, *happens, value, then);
-        }
-        for &(latch, value) in &step.latches {
-            let next = system.latches[latch].next;
-            system.latches[latch].next = system.aig.select(*happens, value, next);
+        for (condition, then) in &step.outcomes {
+            let changes = system.aig.and(*happens, *condition);
+            match then {
+                Then::Bit(bit, value) => plant.bits[*bit] = system.aig.select(changes, *value, plant.bits[*bit]),
+                Then::Count(count, value) => {
+                    let then = &mut plant.counts[*count];
+                    *then = vector::select(&mut system.aig, changes, value, then);
+                }
+                Then::Latch(latch, value) => {
+                    let next = system.latches[*latch].next;
+                    system.latches[*latch].next = system.aig.select(changes, *value, next);
+                }
+            }
         }
     }
     let terminals = std::mem::replace(&mut plant.outputs, waiting.clone());
@@ -236,14 +245,19 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
 fn happening(system: &mut System, plant: &Moving<'_>, happening: &Happening) -> Move {
     let aig = &mut system.aig;
     let may = plant.holds(aig, &happening.condition);
-    let counts = happening.counts.iter().map(|(id, value)| {
-        let Bounds { lowest, highest } = plant.machine.plant.counts[*id].range;
-        let value = number_of(aig, value, &|c: &CountId| plant.counts[c.index()].clone());
-        (*id, within(aig, &value, lowest, highest))
+    let outcomes = happening.outcomes.iter().map(|outcome| {
+        let then = match &outcome.change {
+            Alteration::Bit(bit, value) => Then::Bit(bit.index(), Lit::of(*value)),
+            Alteration::Count(id, value) => {
+                let Bounds { lowest, highest } = plant.machine.plant.counts[*id].range;
+                let value = number_of(aig, value, &|c: &CountId| plant.counts[c.index()].clone());
+                Then::Count(id.index(), within(aig, &value, lowest, highest))
+            }
+        };
+        (plant.holds(aig, &outcome.condition), then)
     });
-    let counts = counts.collect();
-    let bits = happening.bits.iter().map(|&(bit, value)| (bit.index(), value)).collect();
-    Move { words: happening.text.clone(), may, bits, counts, latches: Vec::new() }
+    let outcomes = outcomes.collect();
+    Move { words: happening.text.clone(), may, outcomes }
 }
 
 /// The value, or the bound beyond which it lies.
@@ -271,9 +285,10 @@ fn going(
     Move {
         words: format!("{} goes to {}", actuator.name, actuator.positions[position].name),
         may: system.aig.and(toward, !at[position]),
-        bits: Vec::new(),
-        counts: Vec::new(),
-        latches: vec![(latches + position, arrives), (latches + 1 - position, Lit::FALSE)],
+        outcomes: vec![
+            (Lit::TRUE, Then::Latch(latches + position, arrives)),
+            (Lit::TRUE, Then::Latch(latches + 1 - position, Lit::FALSE)),
+        ],
     }
 }
 

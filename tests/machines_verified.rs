@@ -5,7 +5,7 @@
 
 use crate::support::models::{self, Model};
 use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
-use chartwright::verify::{Choice, Limits};
+use chartwright::verify::{Choice, Engine, Limits};
 
 /// The text of a model without its scenarios.
 fn model(name: &str) -> String {
@@ -72,6 +72,17 @@ fn unsafe_by(text: &str, name: &str) {
     assert!(violated.iter().any(|v| v.starts_with(name)), "{name} is not among {violated:?}");
 }
 
+/// How soon the property is violated by the shortest run; nothing if no run of some scans does.
+fn first_violation(text: &str, name: &str) -> Option<usize> {
+    let limits = Limits { scans: 40, ..Limits::default() };
+    let options = Options { program: Program::Any, open: false, choice: Choice::Only(Engine::Bounded), limits };
+    let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
+    let verified = verified.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    let place = verified.machine.properties.iter().position(|p| p.name == name).expect("it is declared");
+    let answer = verified.answers.iter().find(|a| a.question == Question::Declared(place)).expect("it is asked");
+    (answer.status == Status::Violated).then(|| answer.run.as_ref().expect("there is a run").frames.len())
+}
+
 // ---- The four cylinders ---------------------------------------------------------------------------
 
 const ANY: &str = "initially { any At1, At2, At3, At4 }";
@@ -88,13 +99,15 @@ fn arrangements(count: u32) -> String {
     let at = |set: u32| (0..4).map(move |k| format!("{}At{}", if set >> k & 1 == 1 { "" } else { "not " }, k + 1));
     let rest = "Stroke1 = 0 and Stroke2 = 0 and Stroke3 = 0 and Stroke4 = 0";
     let all = (0u32..16).filter(|set| set.count_ones() == count);
-    all.map(|set| format!("G{set}: always possible {} and {rest}\n", at(set).collect::<Vec<_>>().join(" and "))).collect()
+    all.map(|set| format!("G{set}: always possible {} and {rest}\n", at(set).collect::<Vec<_>>().join(" and ")))
+        .collect()
 }
 
 #[test]
 fn with_any_number_of_pallets_the_cylinders_have_as_many_states_as_the_reference_and_each_arrangement_is_possible() {
     let whole = model("four_cylinders");
-    for (places, states) in [(&[][..], 27_906), (&[1], 15_768), (&[1, 2], 2_542), (&[1, 2, 3], 132), (&[1, 2, 3, 4], 2)] {
+    for (places, states) in [(&[][..], 27_906), (&[1], 15_768), (&[1, 2], 2_542), (&[1, 2, 3], 132), (&[1, 2, 3, 4], 2)]
+    {
         let text = claiming(&pallets(&whole, places), &arrangements(places.len() as u32));
         safe(&text, &(states + 1).to_string());
     }
@@ -243,4 +256,16 @@ fn the_carts_as_printed_collide() {
 fn the_palletizer_has_as_many_states_as_the_reference() {
     // In front of the first scan a case may have come or not.
     safe(&model("palletizer"), &(950_024 + 2).to_string());
+}
+
+// ---- INDEXA ---------------------------------------------------------------------------------------
+
+#[test]
+fn no_program_brings_indexa_into_danger_and_each_memory_of_a_valve_is_needed() {
+    let whole = model("indexa");
+    assert_eq!(violated(&ask(&whole, Program::Any)), [""; 0]);
+    for (name, hazard) in [("M1", "Z1"), ("M2", "Z1"), ("M3", "Z1"), ("M4", "Z2"), ("M5", "Z6")] {
+        let found = first_violation(&without(&whole, |n| n == name), hazard);
+        assert!(found.is_some(), "without {name}");
+    }
 }

@@ -339,9 +339,7 @@ impl Aig {
             image[n] = value[n].unwrap_or_else(|| match self.nodes[n] {
                 Node::False => Lit::FALSE,
                 Node::Leaf(number) => leaves[number as usize],
-                Node::And(a, b) => {
-                    aig.and(image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated()))
-                }
+                Node::And(a, b) => aig.and(image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated())),
             });
         }
         (aig, image)

@@ -82,7 +82,8 @@ impl<'a> Relation<'a> {
         let mut kinds = Vec::new();
         for Change { parts, changed } in changes {
             let parts = schedule::cluster(&mut bdd, parts)?;
-            let of = |vars: &[Var]| -> Vec<Var> { changed.iter().map(|&i| vars[i]).chain(given.iter().copied()).collect() };
+            let of =
+                |vars: &[Var]| -> Vec<Var> { changed.iter().map(|&i| vars[i]).chain(given.iter().copied()).collect() };
             let forward = Schedule::new(&mut bdd, &parts, &of(&now))?;
             let backward = Schedule::new(&mut bdd, &parts, &of(&then))?;
             let (mut to_now, mut to_then) = (everything.clone(), everything.clone());

@@ -3,7 +3,8 @@
 
 use super::rng::Rng;
 use chartwright::ir::chart::{
-    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, StateId, VariableId,
+    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, ScanNumber, StateId,
+    VariableId,
 };
 use chartwright::ir::iec::VarId;
 use chartwright::ir::number::{Number, Range};
@@ -48,7 +49,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
     let mut inputs = Inputs::new(&machine, seed);
     let mut before: Option<Vec<bool>> = None;
     // Which constraints acted first, since the last reset.
-    let mut noted: Option<Vec<bool>> = None;
+    let mut noted: Option<(Vec<bool>, u32)> = None;
     let mut past = vec![false; machine.outputs.len()];
     for scan in 1..=scans {
         let now = inputs.next().to_vec();
@@ -136,10 +137,11 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             let first = |c| chart.mark(Mark::First(c));
             let acting: Vec<bool> = machine.safety.constraints.ids().map(|c| chart.acted(c)).collect();
             if !kept {
-                noted = acted.then_some(acting);
+                noted = acted.then_some((acting, scan as u32));
             }
-            let expected = |c: ConstraintId| noted.as_ref().is_some_and(|n| n[c.index()]);
-            let right = chart.mark(Mark::Noted) == noted.is_some();
+            let expected = |c: ConstraintId| noted.as_ref().is_some_and(|(n, _)| n[c.index()]);
+            let began = noted.as_ref().map_or(0, |(_, scan)| *scan);
+            let right = chart.mark(Mark::Noted) == noted.is_some() && chart.scan_number(ScanNumber::First) == began;
             if !right || machine.safety.constraints.ids().any(|c| first(c) != expected(c)) {
                 return wrong("what the filter remembers is not what it should".into());
             }
@@ -185,12 +187,14 @@ enum Meaning {
     Alarm(ConstraintId),
     Broken(usize),
     Mark(Mark),
+    Scan(ScanNumber),
 }
 
 impl Meaning {
     fn of(self, chart: &Chart) -> i64 {
         i64::from(match self {
             Meaning::Integer(i) => return chart.integer(i),
+            Meaning::Scan(number) => return i64::from(chart.scan_number(number)),
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
             Meaning::Event(e) => chart.event(e),
@@ -223,6 +227,8 @@ fn meanings(built: &Output) -> Result<Vec<(String, Meaning)>, String> {
             Role::Event => find(machine.events.iter(), |e| named(&e.name)).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
+            Role::Scan => Some(Meaning::Scan(ScanNumber::This)),
+            Role::FirstScan => Some(Meaning::Scan(ScanNumber::First)),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
             Role::First => find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
                 .map(|c| Meaning::Mark(Mark::First(c))),
@@ -244,7 +250,8 @@ fn meanings(built: &Output) -> Result<Vec<(String, Meaning)>, String> {
         .chain(machine.integers.ids().map(Meaning::Integer))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
-        .chain(machine.safety.marks().map(Meaning::Mark));
+        .chain(machine.safety.marks().map(Meaning::Mark))
+        .chain(machine.safety.scan_numbers().map(Meaning::Scan));
     for meaning in wanted {
         let names: Vec<&str> = meanings.iter().filter(|(_, m)| *m == meaning).map(|(n, _)| n.as_str()).collect();
         if names.len() != 1 {

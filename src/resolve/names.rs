@@ -237,7 +237,7 @@ impl Resolver {
         self.diagnostics.push(
             Diagnostic::new(Code::ObserverActs, format!("an observer only observes, and {message}"))
                 .label(span, "not in an observer")
-                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, a transition of the observer sets or resets"),
+                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, the observer writes once: by `then`, `entry`, `exit` or `internal`"),
         );
     }
 

@@ -11,6 +11,8 @@ const SNAPSHOTS: &str = "snapshots/invalid";
 /// Codes whose model is not in the repository. `tests/cli.rs` makes the large one.
 const ELSEWHERE: &[(Code, &str)] = &[
     (Code::TooLarge, "it has 16 MiB"),
+    (Code::BadWitness, "it takes a run of another tool; `tests/replay.rs` damages some"),
+    (Code::NotShown, "so does this"),
     (
         Code::UnsafeFilter,
         "it takes an edited program; `tests/program_mutants.rs` makes some, and `tests/filters.rs` goes behind the checks",

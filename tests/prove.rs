@@ -1,7 +1,7 @@
 //! Every model's program is proved to do what the model says, as it is written in each dialect and read
 //! back; and what the proof takes for one scan is one scan on the simulators.
 //!
-//! `CHARTWRIGHT_RANDOM_MODELS=N` makes the tests with random models look at that many.
+//! `CHARTWRIGHT_RANDOM_MODELS=N` makes the tests with random models look at that many, and `FROM..TO` at others.
 
 use crate::support::proof::{Simulated, build, read_back, verdict};
 use crate::support::rng::Rng;
@@ -21,8 +21,8 @@ use std::time::Instant;
 
 const DIALECTS: [Dialect; 2] = [Dialect::Beremiz, Dialect::Codesys];
 
-fn wanted() -> u64 {
-    std::env::var("CHARTWRIGHT_RANDOM_MODELS").ok().and_then(|n| n.parse().ok()).unwrap_or(150)
+fn seeds() -> std::ops::Range<u64> {
+    random::seeds(150)
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn objection(source: &str, dialect: Dialect) -> Option<String> {
 
 #[test]
 fn random_models_are_proved() {
-    for seed in 0..wanted() {
+    for seed in seeds() {
         let model = random::model(seed);
         let dialect = DIALECTS[seed as usize % 2];
         if let Some(what) = objection(&items::text(&model), dialect) {
@@ -108,7 +108,7 @@ fn a_scan_of_the_proof_is_a_scan_of_the_simulators() {
     for model in models::all() {
         assert_eq!(divergence(&model.source, 5), None, "{}", model.name);
     }
-    for seed in 0..wanted() {
+    for seed in seeds() {
         let model = random::model(seed);
         if let Some(what) = divergence(&items::text(&model), seed) {
             let small = shrink::shrink(&model, |source| divergence(&items::text(source), seed).is_some());

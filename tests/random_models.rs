@@ -1,8 +1,9 @@
 //! Models by chance: the chart simulator keeps the rules of its meaning, and the compiled program does
 //! what the chart does.
 //!
-//! `CHARTWRIGHT_RANDOM_MODELS=N` makes these tests look at that many models instead of a few hundred.
-//! A model that fails is made as small as it can be before it is shown.
+//! `CHARTWRIGHT_RANDOM_MODELS=N` makes these tests look at that many models instead of a few hundred, and
+//! `CHARTWRIGHT_RANDOM_MODELS=FROM..TO` at others. A model that fails is made as small as it can be before it is
+//! shown. `CHARTWRIGHT_RANDOM_KEEP=FOLDER` puts models, programs and runs there, for others to judge.
 
 use crate::support::items::{self, Item};
 use crate::support::runs::{self, Inputs};
@@ -10,13 +11,14 @@ use crate::support::{random, shrink};
 use chartwright::pipeline::{self, Dialect};
 use chartwright::simulate::chart::Chart;
 use std::panic::catch_unwind;
+use std::path::Path;
 
 /// How many scans each model runs.
 const SCANS: usize = 100;
 
 /// The seeds of the models that the tests look at.
 fn seeds() -> std::ops::Range<u64> {
-    0..std::env::var("CHARTWRIGHT_RANDOM_MODELS").ok().and_then(|n| n.parse().ok()).unwrap_or(300)
+    random::seeds(300)
 }
 
 /// Looks for a fault in the model of each seed. A panic is a fault, too.
@@ -49,7 +51,7 @@ fn most_are_valid() {
     });
     let valid = valid.count();
     println!("{valid} of {wanted} models are valid; said of all: {found:?}");
-    assert!(valid * 4 > wanted * 3, "{valid} of {wanted}: {found:?}");
+    assert!(valid * 10 > wanted * 7, "{valid} of {wanted}: {found:?}");
 }
 
 #[test]
@@ -59,6 +61,11 @@ fn a_chart_stays_coherent() {
 
 #[test]
 fn the_program_does_what_the_chart_does() {
+    if let Some(folder) = std::env::var_os("CHARTWRIGHT_RANDOM_KEEP") {
+        for seed in seeds() {
+            runs::keep(&items::text(&random::model(seed)), seed, Path::new(&folder));
+        }
+    }
     assert_none(|source, seed| {
         let dialect = if seed % 2 == 0 { Dialect::Beremiz } else { Dialect::Codesys };
         runs::disagreement(source, seed, SCANS, dialect)
@@ -68,7 +75,8 @@ fn the_program_does_what_the_chart_does() {
 #[test]
 fn all_that_a_model_has_is_exercised() {
     let (mut states, mut entered, mut transitions, mut fired, mut acted, mut rounds) = (0, 0, 0, 0, 0, [0; 5]);
-    for seed in seeds() {
+    // Filters that need three rounds are rare.
+    for seed in random::seeds(500) {
         let Some(machine) = pipeline::check(&items::text(&random::model(seed))).0 else { continue };
         let mut chart = Chart::new(&machine);
         let mut inputs = Inputs::new(&machine, seed);

@@ -105,9 +105,13 @@ fn traces_are_read_as_they_are_written() {
     other.rows.truncate(5);
     let difference = trace.difference(&other).unwrap();
     assert_eq!((difference.scan, difference.right), (6, None));
-    for (wrong, part) in
-        [("", "empty"), ("ms,A\n", "first column"), ("scan,A\n1\n", "line 2 has 1"), ("scan,A\n1,x\n", "`x`")]
-    {
+    for (wrong, part) in [
+        ("", "empty"),
+        ("ms,A\n", "first column"),
+        ("scan,A\n1\n", "line 2 has 1"),
+        ("scan,A\n1,x\n", "`x`"),
+        ("scan,A\n0,1\n", "no scan 0"),
+    ] {
         assert!(Inputs::parse(wrong).unwrap_err().contains(part), "{wrong}");
     }
 }

@@ -305,6 +305,21 @@ fn what_cannot_be_run_is_said() {
     assert_eq!(code(&output), 2);
     let output = chartwright(&root, "simulate models/bistable.chart --inputs Cargo.toml");
     assert_eq!(code(&output), 1);
+    let d = Scratch::new("open_tables");
+    for (text, part) in [
+        ("scan,Go,Go\n1,1,0\n", "two columns are for the input `Go`"),
+        ("scan,Go\n2,7\n", "`Go` is given 7 in scan 2"),
+        ("scan,Go\n0,1\n", "no scan 0"),
+    ] {
+        d.write("open.csv", text);
+        let output = run(
+            &root,
+            &["simulate", "models/bistable.chart", "--inputs", d.path().join("open.csv").to_str().unwrap()],
+            "",
+        );
+        assert_eq!(code(&output), 1, "{text}");
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
     let output = chartwright(&root, "test models/invalid/E101_duplicate_name.chart");
     assert_eq!(code(&output), 1);
     assert!(stderr(&output).contains("E101"), "{}", stderr(&output));

@@ -1,7 +1,7 @@
 //! The engines of `verify` against each other and against going through all states.
 
 use crate::support::rng::Rng;
-use crate::support::systems::{Truth, random, truth};
+use crate::support::systems::{Truth, comes, random, random_fair, truth};
 use chartwright::verify::{Choice, Engine, Giver, Limits, Property, Report, System, Verdict, check};
 
 const SYSTEMS: u64 = 1_000;
@@ -81,6 +81,50 @@ fn proofs_and_bounded_searches_come_to_the_same_verdicts() {
         }
     }
     assert!(proved > 1_000 && found > 1_000, "{proved} proved, {found} found");
+}
+
+#[test]
+fn what_comes_sooner_or_later_is_what_going_through_all_loops_tells() {
+    let (mut held, mut violated, mut proved, mut found) = (0, 0, 0, 0);
+    for seed in 0..SYSTEMS {
+        let system = random_fair(&mut Rng::new(seed));
+        let exact = ask(&system, Choice::Only(Engine::Exact));
+        let proof = ask(&system, Choice::Only(Engine::Proof));
+        let limits = Limits { scans: 12, ..Limits::default() };
+        let bounded = check(&system, &limits, Choice::Only(Engine::Bounded), &|| false, &mut |_| {});
+        for (i, claim) in system.claims.iter().enumerate() {
+            let Property::Eventually { after, then } = claim.property else { panic!("it claims nothing else") };
+            let expected = comes(&system, after, then);
+            for report in [&exact, &proof, &bounded] {
+                let finding = &report.findings[i];
+                match &finding.verdict {
+                    Verdict::Holds => assert!(expected, "{seed} {}: {:?}", claim.name, finding.engine),
+                    Verdict::Violated(trace) => {
+                        assert!(!expected, "{seed} {}: {:?}", claim.name, finding.engine);
+                        let begin = system.repeats(trace, claim.property).expect("it comes to a loop");
+                        // Once more round is the same run.
+                        let mut longer = trace.clone();
+                        longer.inputs.extend_from_slice(&trace.inputs[begin..]);
+                        assert!(system.shows(&longer, claim.property), "{seed} {}", claim.name);
+                    }
+                    Verdict::Unknown(limit) => {
+                        let may = finding.engine == Engine::Bounded;
+                        assert!(may, "{seed} {} {:?}: {limit}", claim.name, finding.engine);
+                    }
+                }
+            }
+            held += usize::from(expected);
+            violated += usize::from(!expected);
+            proved += usize::from(proof.findings[i].verdict == Verdict::Holds);
+            if let Verdict::Violated(trace) = &bounded.findings[i].verdict {
+                let Verdict::Violated(other) = &exact.findings[i].verdict else { panic!("both know") };
+                assert!(trace.shortest && trace.inputs.len() <= other.inputs.len(), "{seed} {}", claim.name);
+                found += 1;
+            }
+        }
+    }
+    assert!(held > 500 && violated > 500, "{held} hold, {violated} do not");
+    assert!(proved == held && found > violated * 9 / 10, "{proved} proved, {found} found");
 }
 
 /// A counter of that many bits that can be held, and never gets beyond its last value but one.

@@ -10,7 +10,7 @@ use std::process::Command;
 
 /// An AIGER file, text or binary, to the system that it describes: only what this test needs, and no error is
 /// forgiven.
-fn read_aiger(bytes: &[u8]) -> System {
+pub fn read_aiger(bytes: &[u8]) -> System {
     let mut at = 0;
     let mut line = || {
         let end = bytes[at..].iter().position(|&b| b == b'\n').expect("a line ends") + at;
@@ -22,7 +22,13 @@ fn read_aiger(bytes: &[u8]) -> System {
     let mut words = head.split(' ');
     let binary = words.next() == Some("aig");
     let n: Vec<usize> = words.map(|w| w.parse().expect("a number")).collect();
+    let (n, fair) = n.split_at(7.min(n.len()));
     let [most, inputs, latches, 0, gates, bads, constraints] = n[..] else { panic!("{head}") };
+    let [justice, fair] = match *fair {
+        [] => [0, 0],
+        [justice, fair] => [justice, fair],
+        _ => panic!("{head}"),
+    };
     assert_eq!(most, inputs + latches + gates);
     let numbers = |text: String| -> Vec<usize> { text.split(' ').map(|w| w.parse().expect("a number")).collect() };
     let mut system = System::default();
@@ -51,6 +57,10 @@ fn read_aiger(bytes: &[u8]) -> System {
     }
     let bads: Vec<usize> = (0..bads).map(|_| numbers(line())[0]).collect();
     let constraints: Vec<usize> = (0..constraints).map(|_| numbers(line())[0]).collect();
+    for _ in 0..justice {
+        assert_eq!(line(), "1", "each has one literal");
+    }
+    let recurs: Vec<usize> = (0..justice + fair).map(|_| numbers(line())[0]).collect();
     let lit = |lits: &[Lit], n: usize| lits[n / 2].xor(n % 2 == 1);
     for i in 0..gates {
         let own = 2 * (inputs + latches + i + 1);
@@ -87,6 +97,10 @@ fn read_aiger(bytes: &[u8]) -> System {
     for bad in bads {
         system.claim("", Property::Never(lit(&lits, bad)));
     }
+    // Justices first: who looks at one takes the others away.
+    for recurs in recurs {
+        system.fairness("", lit(&lits, recurs));
+    }
     system
 }
 
@@ -120,10 +134,10 @@ fn a_run_goes_out_and_comes_back() {
         for (i, finding) in report.findings.iter().enumerate() {
             let Verdict::Violated(trace) = &finding.verdict else { continue };
             let text = witness::write(i, trace);
-            let read = witness::read(&system, &format!("c a remark\n{text}")).expect("it can be read");
-            assert_eq!((read.bad, &read.trace.initial, &read.trace.inputs), (i, &trace.initial, &trace.inputs));
+            let read = witness::read(&system, &format!("c a remark\n{text}"), None).expect("it can be read");
+            assert_eq!((read.claim, &read.trace.initial, &read.trace.inputs), (i, &trace.initial, &trace.inputs));
             assert!(system.shows(&read.trace, system.claims[i].property));
-            assert!(witness::read(&system, text.trim_end_matches(".\n")).is_err());
+            assert!(witness::read(&system, text.trim_end_matches(".\n"), None).is_err());
             runs += 1;
         }
     }
@@ -208,7 +222,7 @@ fn btor2_means_one_scan_of_the_system() {
             .chain(system.constraints.iter().copied())
             .chain(system.claims.iter().map(|c| match c.property {
                 Property::Never(l) | Property::AlwaysPossible(l) => l,
-                Property::NeverStuck => unreachable!("it is not among them"),
+                Property::NeverStuck | Property::Eventually { .. } => unreachable!("it is not among them"),
             }))
             .map(|l| lanes(&ours, l))
             .collect();
@@ -218,7 +232,7 @@ fn btor2_means_one_scan_of_the_system() {
 }
 
 /// What a tool on the path says, if it is there.
-fn ask(tool: &str, args: &[&str]) -> Option<String> {
+pub fn ask(tool: &str, args: &[&str]) -> Option<String> {
     let output = Command::new(tool).args(args).output().ok()?;
     Some(String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr))
 }

@@ -246,6 +246,8 @@ codes! {
 
     Different "E801" "a program does not do what its chart says",
     Undecided "E802" "a program cannot be compared with a chart",
+    BadWitness "E803" "a run that another tool found cannot be read",
+    NotShown "E804" "a run that another tool found shows nothing",
 
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",

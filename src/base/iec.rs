@@ -41,6 +41,21 @@ pub fn illegal(name: &str) -> Option<Illegal> {
     is_keyword(name).then_some(Illegal::Keyword)
 }
 
+/// The address of a bit in its one spelling: upper case, without leading zeros; one to four numbers below
+/// 65,536. `area` is `I` or `Q`.
+pub fn bit_address(address: &str, area: char) -> Option<String> {
+    let upper = address.to_ascii_uppercase();
+    let numbers = upper.strip_prefix(&format!("%{area}X"))?;
+    let parts: Vec<String> = numbers
+        .split('.')
+        .map(|n| {
+            let digits = !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+            digits.then(|| n.parse::<u16>().ok()).flatten().map(|n| n.to_string())
+        })
+        .collect::<Option<_>>()?;
+    (parts.len() <= 4).then(|| format!("%{area}X{}", parts.join(".")))
+}
+
 /// Whether `name`, in any case, is a word that a PLC IDE keeps to itself.
 pub fn is_keyword(name: &str) -> bool {
     KEYWORDS.binary_search(&fold(name).as_str()).is_ok()

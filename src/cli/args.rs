@@ -40,6 +40,7 @@ pub enum Command {
     Prove(Prove),
     Verify(Verify),
     Export(Export),
+    Replay(Replay),
     Test(Test),
     Simulate(Simulate),
     Constraints(Constraints),
@@ -404,7 +405,7 @@ pub struct Verify {
     #[arg(long, value_name = "VCD")]
     pub vcd: Option<PathBuf>,
 
-    /// Where to write the first counterexample as a scenario, to be put into the model.
+    /// Where to write all counterexamples as scenarios, to be put into the model.
     #[arg(long, value_name = "OUT")]
     pub scenario: Option<PathBuf>,
 
@@ -437,7 +438,7 @@ pub enum VerifyEngine {
 /// Writes a machine as a transition system for other model checkers.
 ///
 /// Reads FILE and writes what `verify` verifies, with the names of the model. AIGER and BTOR2 take what
-/// never is; SMV also what is always possible.
+/// never is and what comes eventually; SMV also what is always possible.
 #[derive(Args, Debug)]
 #[command(after_long_help = "\
 Examples:
@@ -467,6 +468,51 @@ pub struct Export {
     /// Where to write; `-` is standard output [default: FILE with the extension of the form].
     #[arg(short, long, value_name = "OUT")]
     pub out: Option<PathBuf>,
+}
+
+/// Replays a run that another model checker found.
+///
+/// Reads FILE and a run of what `export` writes of it: a witness of AIGER or of BTOR2. The run is tried on the model and
+/// played by the simulator, then shown as `verify` shows its own.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright replay door.chart door.witness
+  chartwright replay door.chart found.txt --property P1 --scenario found.chart
+
+Exit codes:
+  0  the run shows what it says
+  1  it cannot be read, or shows nothing; or the model has errors
+  2  the command line is wrong")]
+pub struct Replay {
+    /// The model.
+    pub file: PathBuf,
+
+    /// The run.
+    pub witness: PathBuf,
+
+    /// What the run is about, by its name in the exported file, if the other tool was given that alone.
+    #[arg(long, value_name = "NAME")]
+    pub property: Option<String>,
+
+    /// What runs in front of the filter, as for the export.
+    #[arg(long, value_enum, default_value_t = VerifyProgram::Chart)]
+    pub program: VerifyProgram,
+
+    /// The plant was left out of the export.
+    #[arg(long)]
+    pub open: bool,
+
+    /// Where to write the run as a value change dump.
+    #[arg(long, value_name = "VCD")]
+    pub vcd: Option<PathBuf>,
+
+    /// Where to write the run as a scenario, to be put into the model.
+    #[arg(long, value_name = "OUT")]
+    pub scenario: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub output: Output,
 }
 
 /// A form of transition systems.

@@ -3,11 +3,13 @@
 mod args;
 mod build;
 mod constraints;
+mod counterexample;
 mod explain;
 mod export;
 mod files;
 mod junit;
 mod prove;
+mod replay;
 mod report;
 mod session;
 mod simulate;
@@ -72,6 +74,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Prove(args) => prove::run(&args),
             Command::Verify(args) => verify::run(&args),
             Command::Export(args) => export::run(&args),
+            Command::Replay(args) => replay::run(&args),
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
             Command::Constraints(args) => constraints::run(&args),

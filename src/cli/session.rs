@@ -2,12 +2,13 @@
 
 use super::{Outcome, files};
 use crate::base::iec;
-use crate::ir::chart::{InputId, Machine, StateId, StateKind};
+use crate::ir::chart::{InputId, Machine};
 use crate::ir::scenario::Given;
 use crate::pipeline;
 use crate::simulate::frame::Frame;
 use crate::simulate::record::{Names, seconds};
 use crate::simulate::run::{Program, Run, milliseconds};
+use crate::simulate::tree;
 use std::fmt::Write;
 use std::io::{BufRead, IsTerminal};
 
@@ -106,7 +107,7 @@ impl Session<'_> {
             ["toggle", names @ ..] if !names.is_empty() => self.change(names, |now| Some(!now)),
             ["release", names @ ..] if !names.is_empty() => self.change(names, |_| None),
             ["press", names @ ..] if !names.is_empty() => self.press(names),
-            ["tree"] => Ok(self.tree()),
+            ["tree"] => Ok(tree::show(self.machine, self.run.frame())),
             ["inputs"] => Ok(self.inputs()),
             ["outputs"] => Ok(self.outputs()),
             ["help" | "?"] => Ok(HELP.to_owned()),
@@ -229,34 +230,6 @@ impl Session<'_> {
         Ok(text)
     }
 
-    fn tree(&self) -> String {
-        let mut text = String::new();
-        for chart in &self.machine.charts {
-            let _ = writeln!(text, "{}", chart.name);
-            for &region in &chart.regions {
-                self.branch(region, 1, &mut text);
-            }
-        }
-        text
-    }
-
-    fn branch(&self, region: crate::ir::chart::RegionId, depth: usize, text: &mut String) {
-        let region = &self.machine.regions[region];
-        let active = |s: &&StateId| self.run.frame()[self.run.layout().state(**s)];
-        let Some(&id) = region.states.iter().find(active) else { return };
-        let state = &self.machine.states[id];
-        let name = region.name.as_ref().map(|n| format!("{n}: ")).unwrap_or_default();
-        let note = match state.kind {
-            StateKind::Final => " (final)",
-            StateKind::Movement { .. } => " (moving)",
-            StateKind::Elementary | StateKind::Composite => "",
-        };
-        let _ = writeln!(text, "{:1$}{name}{2}{note}", "", depth * 2, state.name);
-        for &inner in &state.regions {
-            self.branch(inner, depth + 1, text);
-        }
-    }
-
     fn inputs(&self) -> String {
         let mut text = String::new();
         let inputs = self.machine.inputs.iter().map(|(id, i)| (Given::Input(id), &i.name, &i.description));
@@ -269,6 +242,10 @@ impl Session<'_> {
             };
             let value = self.run.given()[self.run.layout().place(given)];
             let _ = writeln!(text, "{}", format!("{} {mark}{name:<12} {description}", u8::from(value)).trim_end());
+        }
+        for (id, c) in self.machine.plant.counts.iter() {
+            let line = format!("{} ~{:<12} {}", self.run.count(id), c.name, c.description);
+            let _ = writeln!(text, "{}", line.trim_end());
         }
         text
     }

@@ -11,7 +11,7 @@ use crate::pipeline;
 use crate::simulate::record::{Recording, seconds};
 use crate::simulate::run::{Program, Run, milliseconds};
 use crate::simulate::trace::Inputs;
-use crate::simulate::{scenario, vcd};
+use crate::simulate::{chance, scenario, vcd};
 use std::path::Path;
 
 /// How many scans run where nothing says so.
@@ -121,7 +121,18 @@ fn known(machine: &Machine, inputs: &Inputs) -> Result<(Inputs, Vec<Option<Input
             let name = annotate_snippets::normalize_untrusted_str(name);
             return Err(format!("the machine has no input `{name}`"));
         }
+        if found.is_some() && columns.contains(&found) {
+            return Err(format!("two columns are for the input `{name}`"));
+        }
         columns.push(found);
+    }
+    let inputs_only = |(column, _): &&(usize, i64)| columns[*column].is_some();
+    for scan in 0..=inputs.last() {
+        let mut changes = inputs.before(scan).iter().filter(inputs_only);
+        if let Some((column, value)) = changes.find(|(_, value)| !matches!(value, 0 | 1)) {
+            let name = &inputs.names[*column];
+            return Err(format!("the input `{name}` is given {value} in scan {scan}, which is neither 0 nor 1"));
+        }
     }
     Ok((inputs.clone(), columns))
 }
@@ -148,17 +159,19 @@ fn by_table(
     recording
 }
 
-/// Every input that the plant does not give changes now and then.
+/// Every input that the plant does not give changes now and then, and steps of the plant happen by chance.
 fn by_chance(machine: &Machine, program: Program, seed: u64, scans: u64) -> Recording {
     let gives = machine.plant.gives(machine.inputs.len());
     let free: Vec<InputId> = machine.inputs.ids().filter(|i| !gives[i.index()]).collect();
     let mut run = Run::new(machine, program);
     let mut recording = Recording::all();
     let mut state = seed;
+    // A sequence of its own: how often inputs change does not depend on what the plant does.
+    run.plant().leave_to_chance(machine, !seed);
     for scan in 1..=scans {
         for &input in &free {
             // In a sixteenth of the scans; in the first scan every other input is TRUE.
-            let chance = next(&mut state);
+            let chance = chance::next(&mut state);
             if if scan == 1 { chance & 1 == 0 } else { chance & 15 == 0 } {
                 let value = if scan == 1 { true } else { !run.input(input) };
                 run.plant().set(Given::Input(input), value);
@@ -168,13 +181,4 @@ fn by_chance(machine: &Machine, program: Program, seed: u64, scans: u64) -> Reco
         recording.push(scan, run.frame());
     }
     recording
-}
-
-/// Splitmix64: the same numbers on every computer.
-fn next(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }

@@ -3,11 +3,10 @@
 use super::args::{Format, Verify as Args, VerifyEngine, VerifyProgram};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, finish, read, say, usage};
+use super::{Outcome, counterexample, finish, read, say, usage};
 use crate::ir::chart::Machine;
 use crate::pipeline::verify::{self, Answer, Options, Program, Question, Status, Verified, words};
-use crate::simulate::record::Recording;
-use crate::simulate::vcd;
+use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
 use serde::Serialize;
 use std::fmt::Write;
@@ -39,7 +38,13 @@ struct JsonAnswer {
     /// How many scans the run takes that shows it.
     scans: Option<usize>,
     shortest: Option<bool>,
+    /// The scan from which on it can repeat itself for ever, if that is what it shows.
+    repeats: Option<usize>,
     replayed: Option<bool>,
+    /// The active states in the last scan, a line each.
+    tree: Option<String>,
+    /// The rungs that drove the outputs in question in the last scan.
+    rungs: Option<String>,
     scenario: Option<String>,
 }
 
@@ -74,11 +79,9 @@ pub fn run(args: &Args) -> Outcome {
         return finish("verify", args.output.format, &report, &Option::<Result>::None);
     };
     let mut written = true;
-    if let Some(answer) = verified.answers.iter().find(|a| is_counterexample(a)) {
-        for failed in write(args, &verified.machine, answer) {
-            report.files.push(failed);
-            written = false;
-        }
+    for failed in write(args, &verified) {
+        report.files.push(failed);
+        written = false;
     }
     finish("verify", args.output.format, &report, &result(&verified));
     if args.output.format == Format::Human {
@@ -106,8 +109,11 @@ fn is_counterexample(answer: &Answer) -> bool {
     answer.question.is_demand() && answer.status == Status::Violated && answer.run.is_some()
 }
 
-fn write(args: &Args, machine: &Machine, answer: &Answer) -> Vec<FileReport> {
-    let run = answer.run.as_ref().expect("a counterexample has a run");
+/// Writes what was asked for: all counterexamples as scenarios, the first one as a value change dump.
+fn write(args: &Args, verified: &Verified) -> Vec<FileReport> {
+    let wrong = verified.answers.iter().filter(|a| is_counterexample(a));
+    let runs: Vec<&verify::Run> = wrong.filter_map(|a| a.run.as_ref()).collect();
+    let Some(first) = runs.first() else { return Vec::new() };
     let mut failed = Vec::new();
     let mut put = |path: &Option<std::path::PathBuf>, text: String| {
         let Some(path) = path else { return };
@@ -115,15 +121,10 @@ fn write(args: &Args, machine: &Machine, answer: &Answer) -> Vec<FileReport> {
             failed.push(FileReport::failed(files::show(path), diagnostic));
         }
     };
-    put(&args.scenario, run.scenario.clone());
-    put(&args.vcd, vcd::write(machine, &recording(run)));
+    let scenarios: Vec<&str> = runs.iter().map(|run| &*run.scenario).collect();
+    put(&args.scenario, scenarios.join("\n"));
+    put(&args.vcd, vcd::write(&verified.machine, &counterexample::recording(first)));
     failed
-}
-
-fn recording(run: &verify::Run) -> Recording {
-    let mut recording = Recording::all();
-    run.frames.iter().zip(1..).for_each(|(frame, scan)| recording.push(scan, frame));
-    recording
 }
 
 fn verdict(answer: &Answer) -> &'static str {
@@ -152,7 +153,10 @@ fn result(verified: &Verified) -> Result {
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
         scans: a.run.as_ref().map(|r| r.frames.len()),
         shortest: a.run.as_ref().map(|r| r.shortest),
+        repeats: a.run.as_ref().and_then(|r| r.repeats),
         replayed: a.run.as_ref().and_then(|r| r.replayed),
+        tree: a.run.as_ref().filter(|r| r.replayed.is_some()).and_then(|r| last(&verified.machine, r)),
+        rungs: a.run.as_ref().and_then(|r| r.rungs.clone()),
         scenario: a.run.as_ref().filter(|_| a.question.is_demand()).map(|r| r.scenario.clone()),
     });
     Result {
@@ -162,6 +166,10 @@ fn result(verified: &Verified) -> Result {
         states: verified.states.clone(),
         scans: verified.scans,
     }
+}
+
+fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
+    run.frames.last().map(|frame| tree::show(machine, frame))
 }
 
 fn human(verified: &Verified, time: Duration) -> String {
@@ -205,12 +213,8 @@ fn human(verified: &Verified, time: Duration) -> String {
     }
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
         let run = a.run.as_ref().expect("a counterexample has a run");
-        if run.frames.is_empty() {
-            continue;
-        }
-        let _ = writeln!(text, "\n{}\n{}", words(machine, a.question), recording(run).table(machine, usize::MAX));
-        if run.replayed == Some(false) {
-            text += "The simulator does not repeat this run: it needs a time to pass sooner or later than at a fixed cycle.\n";
+        if !run.frames.is_empty() {
+            let _ = write!(text, "\n{}", counterexample::human(machine, a.question, run));
         }
     }
     let _ = match (&verified.states, verified.scans) {

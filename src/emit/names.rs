@@ -61,6 +61,8 @@ fn role(role: Role) -> &'static str {
         Role::Acted => "acted",
         Role::Noted => "noted",
         Role::First => "first",
+        Role::Scan => "scan",
+        Role::FirstScan => "first scan",
     }
 }
 

@@ -462,9 +462,11 @@ pub enum TimeUnit {
     Scans,
 }
 
-/// `plant { … }`, sorted by kind; the order of rules is kept.
+/// `plant { … }`, sorted by kind; the order of rules and of steps is kept.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plant {
+    /// `by steps`.
+    pub by_steps: Option<Span>,
     /// `hidden NAME "…"`.
     pub hidden: Vec<Hidden>,
     /// What stands in `initially { … }`.
@@ -473,14 +475,29 @@ pub struct Plant {
     pub travels: Vec<Travel>,
     /// `INPUT follows …`, `INPUT rises when …`, `INPUT falls when …`.
     pub rules: Vec<Rule>,
+    /// `step "…" when … then …`.
+    pub steps: Vec<Happening>,
 }
 
-/// `hidden Work "a jar stands at the work place"`.
+/// `step "the rod goes out" when O1 and Stroke < 4 then set Stroke := Stroke + 1`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Happening {
+    /// What happens.
+    pub text: Text,
+    /// When it may.
+    pub condition: Guard,
+    /// What comes of it, each with its own condition, if it has one.
+    pub outcomes: Vec<(Effect, Option<Guard>)>,
+}
+
+/// `hidden Work "a jar stands at the work place"`, `hidden Stroke : 0..4 := 0 "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hidden {
     /// Its name.
     pub name: Name,
-    /// What it means when TRUE.
+    /// Its range and value before the first scan, if it is an integer.
+    pub integer: Option<VariableKind>,
+    /// What it means when TRUE, or counts.
     pub description: Option<Text>,
 }
 
@@ -554,6 +571,8 @@ pub struct Step {
 pub enum Doing {
     /// `set A, B` or `reset A, B`.
     Set(Vec<Name>, bool),
+    /// `any A, B`, only where a plant begins.
+    Any(Vec<Name>),
     /// `press A, B for 300ms`.
     Press(Vec<Name>, Option<Time>),
     /// `force A, not B`: each name with its value.

@@ -58,7 +58,7 @@ mod safety;
 
 pub use super::ast::Technology;
 pub use super::integer::{Assignment, Integer};
-pub use safety::{Assumption, Constraint, FilterMode, Mark, Relief, Safety, outputs_of};
+pub use safety::{Assumption, Constraint, FilterMode, LAST_SCAN, Mark, Relief, Safety, ScanNumber, outputs_of};
 
 /// Names an input.
 pub type InputId = Id<Input>;
@@ -541,6 +541,14 @@ impl Machine {
             Mark::Noted if self.safety.mode == Some(FilterMode::Blocking) => "blocked".to_owned(),
             Mark::Noted => "noted".to_owned(),
             Mark::First(c) => format!("first({})", self.safety.constraints[c].name),
+        }
+    }
+
+    /// A number that the filter keeps, in words as short as a column's head.
+    pub fn scan_number(&self, number: ScanNumber) -> &'static str {
+        match number {
+            ScanNumber::This => "scan",
+            ScanNumber::First => "scan(first)",
         }
     }
 

@@ -433,6 +433,20 @@ impl Project {
     }
 }
 
+impl Kind {
+    /// Whether a number is a value of that type; of BOOL, 0 and 1 are.
+    pub fn holds(self, number: i64) -> bool {
+        let (lowest, highest) = match self {
+            Kind::Bool => (0, 1),
+            Kind::Time | Kind::Int { bits: 64, signed: true } => (i64::MIN, i64::MAX),
+            Kind::Int { bits: 64, signed: false } => (0, i64::MAX),
+            Kind::Int { bits, signed: true } => (-1 << (bits - 1), (1 << (bits - 1)) - 1),
+            Kind::Int { bits, signed: false } => (0, (1 << bits) - 1),
+        };
+        (lowest..=highest).contains(&number)
+    }
+}
+
 impl Condition {
     /// A condition that is one expression.
     pub fn simple(value: Bool) -> Self {

@@ -33,7 +33,7 @@ pub struct Rung {
     /// A timer between the condition and the coil: what the coil writes is its output Q.
     pub timer: Option<Timer>,
     /// A function instead of contacts: the condition is TRUE, and `coil` takes the result as a plain
-    /// coil would. Of type INT or BOOL, as the function demands.
+    /// coil would. Of the operands' type or BOOL, as the function demands.
     pub function: Option<Function>,
     /// What the coil writes.
     pub coil: GlobalId,
@@ -61,7 +61,7 @@ impl Timer {
     }
 }
 
-/// A function of IEC 61131-3 over INT, and over BOOL where that is said.
+/// A function of IEC 61131-3 over integers of one type, and over BOOL where that is said.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Function {
     /// Which.
@@ -90,7 +90,7 @@ pub enum Operator {
 /// An operand of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operand {
-    /// A constant of type INT.
+    /// A constant of that type.
     Const(i64),
     /// A variable.
     Global(GlobalId),

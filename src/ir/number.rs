@@ -68,6 +68,18 @@ impl<A> Number<A> {
         })
     }
 
+    /// Its value when `value` gives that of each of its parts.
+    pub fn eval(&self, value: &impl Fn(&A) -> i64) -> i64 {
+        match self {
+            Number::Const(n) => *n,
+            Number::Value(a) => value(a),
+            Number::Sum(operands) => operands.iter().fold(0, |sum, o| {
+                let value = o.value.eval(value);
+                if o.negative { sum - value } else { sum + value }
+            }),
+        }
+    }
+
     /// Calls `f` with every value, from left to right, repetitions included.
     pub fn for_each_value<'a>(&'a self, f: &mut impl FnMut(&'a A)) {
         match self {
@@ -186,6 +198,18 @@ impl Relation {
         }
     }
 
+    /// Whether it holds between two numbers.
+    pub fn holds(self, left: i64, right: i64) -> bool {
+        match self {
+            Relation::Equal => left == right,
+            Relation::Unequal => left != right,
+            Relation::Less => left < right,
+            Relation::LessOrEqual => left <= right,
+            Relation::Greater => left > right,
+            Relation::GreaterOrEqual => left >= right,
+        }
+    }
+
     /// Whether it holds, whatever the two numbers of these ranges are; nothing if that depends on
     /// them.
     pub fn decided(self, left: Range, right: Range) -> Option<bool> {
@@ -228,6 +252,11 @@ pub struct Comparison<A> {
 }
 
 impl<A> Comparison<A> {
+    /// Whether it holds when `value` gives that of each of its parts.
+    pub fn holds(&self, value: &impl Fn(&A) -> i64) -> bool {
+        self.relation.holds(self.left.eval(value), self.right.eval(value))
+    }
+
     /// Writes the comparison; `value` writes a value.
     pub fn write(
         &self,
@@ -279,18 +308,10 @@ mod tests {
         for &left in &ranges {
             for &right in &ranges {
                 for relation in Relation::ALL {
-                    let holds = |l: i64, r: i64| match relation {
-                        Relation::Equal => l == r,
-                        Relation::Unequal => l != r,
-                        Relation::Less => l < r,
-                        Relation::LessOrEqual => l <= r,
-                        Relation::Greater => l > r,
-                        Relation::GreaterOrEqual => l >= r,
-                    };
                     let mut seen = [false; 2];
                     for l in left.lowest..=left.highest {
                         for r in right.lowest..=right.highest {
-                            seen[usize::from(holds(l, r))] = true;
+                            seen[usize::from(relation.holds(l, r))] = true;
                         }
                     }
                     let expected = match seen {

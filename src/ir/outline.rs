@@ -3,7 +3,7 @@
 
 use super::chart::*;
 use super::expr::CHART;
-use super::scenario::{Condition, Doing, Given, Step};
+use super::scenario::{Alteration, Condition, CountId, Doing, Given, PropertyKind, Step};
 use super::sop::Product;
 use std::fmt::{self, Write};
 
@@ -80,7 +80,14 @@ impl Writer<'_> {
             writeln!(self.out, "{kind} {}: {} = 0{yields}", c.name, self.products(&c.products))?;
         }
         for p in &m.properties {
-            writeln!(self.out, "property {}: {} {}", p.name, p.kind.words(), self.condition(&p.condition))?;
+            let word = if p.kind == PropertyKind::Fair { "fairness" } else { "property" };
+            let holds = self.condition(&p.condition);
+            match &p.after {
+                Some(after) => {
+                    writeln!(self.out, "{word} {}: after {} eventually {holds}", p.name, self.condition(after))?;
+                }
+                None => writeln!(self.out, "{word} {}: {} {holds}", p.name, p.kind.words())?,
+            }
         }
         self.plant()?;
         for s in &m.scenarios {
@@ -95,6 +102,32 @@ impl Writer<'_> {
         let m = self.machine;
         for b in m.plant.bits.values() {
             writeln!(self.out, "hidden {}", b.name)?;
+        }
+        for c in m.plant.counts.values() {
+            writeln!(self.out, "hidden {}: {}..{} := {}", c.name, c.range.lowest, c.range.highest, c.initial)?;
+        }
+        if m.plant.by_steps {
+            writeln!(self.out, "by steps")?;
+        }
+        for h in &m.plant.happenings {
+            writeln!(self.out, "step {:?} when {}", h.text, self.condition(&h.condition))?;
+            let name = |c: &CountId| m.plant.counts[*c].name.as_str();
+            for outcome in &h.outcomes {
+                let condition = self.condition(&outcome.condition);
+                match &outcome.change {
+                    Alteration::Bit(b, value) => {
+                        writeln!(self.out, "  {} := {value} when {condition}", m.plant.bits[*b].name)?;
+                    }
+                    Alteration::Count(c, value) => {
+                        write!(self.out, "  {} := ", name(c))?;
+                        value.write(&mut self.out, &mut |c, f| f.write_str(name(c)))?;
+                        writeln!(self.out, " when {condition}")?;
+                    }
+                }
+            }
+        }
+        for &bit in &m.plant.unknown {
+            writeln!(self.out, "initially any {}", m.plant.bits[bit].name)?;
         }
         for &(given, value) in &m.plant.initially {
             writeln!(self.out, "initially {} := {value}", m.given(given))?;

@@ -55,6 +55,8 @@ pub enum Value {
     Bool(bool),
     /// INT.
     Int(i16),
+    /// UDINT.
+    Udint(u32),
 }
 
 /// What a global variable is for.
@@ -88,6 +90,10 @@ pub enum Role {
     Noted,
     /// TRUE while that is so, if this constraint acted in the scan in which it began.
     First,
+    /// The number of this scan.
+    Scan,
+    /// While a constraint is noted, the number of the scan in which that began.
+    FirstScan,
 }
 
 /// What something in the project stands for in the model.
@@ -143,6 +149,7 @@ impl Value {
         match self {
             Value::Bool(_) => "BOOL",
             Value::Int(_) => "INT",
+            Value::Udint(_) => "UDINT",
         }
     }
 
@@ -151,6 +158,7 @@ impl Value {
         match self {
             Value::Bool(value) => value.then(|| "TRUE".to_owned()),
             Value::Int(value) => (value != 0).then(|| value.to_string()),
+            Value::Udint(value) => (value != 0).then(|| value.to_string()),
         }
     }
 }

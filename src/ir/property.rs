@@ -2,13 +2,15 @@
 
 use super::ast::{Guard, Name, Text};
 
-/// `P1: always possible E "…"`.
+/// `P1: always possible E "…"`, `P2: after E eventually E "…"`, `assume F1: always eventually E "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Property {
     /// Its name.
     pub name: Name,
     /// In which runs and how often.
     pub kind: PropertyKind,
+    /// After what, if it says so.
+    pub after: Option<Guard>,
     /// What, at the end of a scan.
     pub condition: Guard,
     /// Why, in words.
@@ -26,6 +28,11 @@ pub enum PropertyKind {
     Reachable,
     /// Every run can go on to a scan in which it does.
     AlwaysPossible,
+    /// In every fair run that goes on for ever: in infinitely many scans, or, if it says after what, in that scan
+    /// or a later one.
+    Eventually,
+    /// In infinitely many scans of every fair run: that is what makes it fair.
+    Fair,
 }
 
 impl PropertyKind {
@@ -36,6 +43,7 @@ impl PropertyKind {
             PropertyKind::Always => "always",
             PropertyKind::Reachable => "reachable",
             PropertyKind::AlwaysPossible => "always possible",
+            PropertyKind::Eventually | PropertyKind::Fair => "always eventually",
         }
     }
 }

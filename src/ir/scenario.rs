@@ -19,9 +19,22 @@
 //! and [`Plant::places`] say, with all outputs FALSE, and the rules are tried.
 //!
 //! A scenario that forces an input holds its value, whatever the plant does; its rules rest meanwhile.
+//!
+//! # By steps
+//!
+//! A plant that goes [by steps](Plant::by_steps) has a life between readings of the inputs. A [`Happening`] whose condition holds
+//! may happen, at any moment and any number of times, one at a time: between the reading of the inputs
+//! and the writing of the outputs still under the old outputs, then under the new ones. Each is a
+//! step of its own: it reads hidden values as they are before it. When the outputs are written, those rules are tried that are
+//! [of a valve](Rule::is_of_valve). When the inputs are read, all other rules are, as above.
+//!
+//! A run by a scenario is the one in which, between writing and reading, each happening happens once whose condition holds after
+//! the writing and still does when its turn comes, in the order in which they are written; in the first scan none does. Verification covers all courses; there an actuator that
+//! travels takes its way step by step among the happenings.
 
-use super::chart::{ActuatorId, Atom, ConstraintId, InputId, Machine, Mark};
+use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark};
 use super::expr::Expr;
+use super::number::{Comparison, Number, Range};
 use crate::base::{Arena, Id, Span};
 
 pub use super::ast::PropertyKind;
@@ -29,11 +42,27 @@ pub use super::ast::PropertyKind;
 /// Names a hidden bit.
 pub type BitId = Id<Bit>;
 
+/// Names a hidden integer.
+pub type CountId = Id<Count>;
+
+/// Names a comparison that reads hidden integers.
+pub type ComparedId = Id<Comparison<Counted>>;
+
 /// How the machine's parts react.
 #[derive(Clone, Debug, Default)]
 pub struct Plant {
     /// What no sensor tells, in order of declaration.
     pub bits: Arena<Bit>,
+    /// Hidden integers, in order of declaration.
+    pub counts: Arena<Count>,
+    /// What conditions ask of hidden integers, each comparison once.
+    pub comparisons: Arena<Comparison<Counted>>,
+    /// Whether it moves at any time, and not once before each reading of the inputs.
+    pub by_steps: bool,
+    /// What may happen, in order.
+    pub happenings: Vec<Happening>,
+    /// The bits of which nobody knows the value to begin with.
+    pub unknown: Vec<BitId>,
     /// The inputs and bits that are given a value to begin with; all others are FALSE.
     pub initially: Vec<(Given, bool)>,
     /// The positions, by index, at which actuators begin; all others begin at their first.
@@ -53,6 +82,62 @@ pub struct Bit {
     pub description: String,
     /// Where it is declared.
     pub span: Span,
+}
+
+/// A number that no sensor tells.
+#[derive(Clone, Debug)]
+pub struct Count {
+    /// Its name, unique among signals.
+    pub name: String,
+    /// What it can be; within the type INT.
+    pub range: Range,
+    /// Its value before the first scan; within the range.
+    pub initial: i64,
+    /// What it counts.
+    pub description: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// An integer that a scenario or property can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Counted {
+    /// One of the program.
+    Program(IntegerId),
+    /// A hidden one.
+    Hidden(CountId),
+}
+
+/// Something that may happen in a plant that goes by steps.
+#[derive(Clone, Debug)]
+pub struct Happening {
+    /// What happens, in words.
+    pub text: String,
+    /// When it may.
+    pub condition: Condition,
+    /// What comes of it, in order; of several that change the same thing the last one counts whose condition
+    /// holds. All conditions and values are read from before the step.
+    pub outcomes: Vec<Outcome>,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// Something that comes of a happening.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What changes.
+    pub change: Alteration,
+    /// When.
+    pub condition: Condition,
+}
+
+/// A change of something hidden.
+#[derive(Clone, Debug)]
+pub enum Alteration {
+    /// A bit becomes TRUE or FALSE.
+    Bit(BitId, bool),
+    /// An integer takes a value; what would leave its range stops at the bound.
+    Count(CountId, Number<CountId>),
 }
 
 /// What a plant or a scenario gives values to.
@@ -133,6 +218,8 @@ pub enum Seen {
     Bit(BitId),
     /// A hidden bit in the scan before.
     PrevBit(BitId),
+    /// Whether a comparison of hidden integers holds.
+    Compare(ComparedId),
     /// Whether the constraint had to act in this scan.
     Acted(ConstraintId),
     /// What the filter remembers.
@@ -148,6 +235,8 @@ pub struct Property {
     pub name: String,
     /// In which runs and how often.
     pub kind: PropertyKind,
+    /// After what, if it says so.
+    pub after: Option<Condition>,
     /// What, at the end of a scan.
     pub condition: Condition,
     /// Why, in words.
@@ -208,7 +297,8 @@ pub enum Doing {
 impl Plant {
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
-        self.bits.is_empty() && self.initially.is_empty() && self.travels.is_empty() && self.rules.is_empty()
+        let nothing = self.bits.is_empty() && self.counts.is_empty() && self.happenings.is_empty();
+        nothing && self.initially.is_empty() && self.travels.is_empty() && self.rules.is_empty()
     }
 
     /// For each input, whether the plant gives its value.
@@ -223,6 +313,37 @@ impl Plant {
             }
         }
         gives
+    }
+}
+
+impl Rule {
+    /// Whether it says how a valve follows its outputs: what changes is a hidden bit, at once, and
+    /// the condition reads nothing but outputs. In a plant that goes by steps this happens when they are written.
+    pub fn is_of_valve(&self) -> bool {
+        let (mut reads, mut only) = (false, true);
+        self.condition.for_each_atom(&mut |seen| {
+            reads = true;
+            only &= matches!(seen, Seen::Machine(Atom::Output(_)));
+        });
+        matches!(self.target, Given::Bit(_)) && self.delay == 0 && reads && only
+    }
+}
+
+impl Comparison<Counted> {
+    /// Whether it reads hidden integers only.
+    pub fn is_hidden(&self) -> bool {
+        let mut hidden = true;
+        let mut look = |c: &Counted| hidden &= matches!(c, Counted::Hidden(_));
+        self.left.for_each_value(&mut look);
+        self.right.for_each_value(&mut look);
+        hidden
+    }
+}
+
+impl Seen {
+    /// Whether it is of the scan before.
+    pub fn is_past(self) -> bool {
+        matches!(self, Seen::PrevBit(_) | Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_)))
     }
 }
 
@@ -241,12 +362,27 @@ impl Machine {
             Seen::Machine(atom) => self.atom(atom),
             Seen::Bit(b) => self.plant.bits[b].name.clone(),
             Seen::PrevBit(b) => format!("prev({})", self.plant.bits[b].name),
+            Seen::Compare(c) => {
+                let mut out = String::new();
+                let comparison = &self.plant.comparisons[c];
+                let written = comparison.write(&mut out, &mut |&i, f| f.write_str(self.counted(i)));
+                written.expect("writing to a string succeeds");
+                out
+            }
             Seen::Acted(c) => {
                 let word = if self.safety.alarms() { "alarm" } else { "acts" };
                 format!("{word}({})", self.safety.constraints[c].name)
             }
             Seen::Mark(mark) => self.mark(mark),
             Seen::Broken(a) => format!("alarm({})", self.safety.assumptions[a].name),
+        }
+    }
+
+    /// What an integer is called.
+    pub fn counted(&self, counted: Counted) -> &str {
+        match counted {
+            Counted::Program(i) => &self.integers[i].name,
+            Counted::Hidden(c) => &self.plant.counts[c].name,
         }
     }
 }

@@ -56,14 +56,7 @@ impl Writer {
         if !m.variables.is_empty() {
             self.block(format_args!("variables"), |w| {
                 m.variables.iter().try_for_each(|v| {
-                    let kind = match &v.kind {
-                        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
-                        VariableKind::Integer { lowest, highest, initial, .. } => {
-                            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
-                            format!("{lowest}..{highest}{initial}")
-                        }
-                    };
-                    w.line(format_args!("{} : {kind}{}", v.name.text, text(&v.description)))
+                    w.line(format_args!("{} : {}{}", v.name.text, kind(&v.kind), text(&v.description)))
                 })
             })?;
         }
@@ -95,8 +88,14 @@ impl Writer {
         if !m.properties.is_empty() {
             self.block(format_args!("properties"), |w| {
                 m.properties.iter().try_for_each(|p| {
-                    let (name, words, text) = (&p.name.text, p.kind.words(), text(&p.text));
-                    w.line(format_args!("{name}: {words} {}{text}", condition(&p.condition)))
+                    let assumed = if p.kind == PropertyKind::Fair { "assume " } else { "" };
+                    let (name, text, holds) = (&p.name.text, text(&p.text), condition(&p.condition));
+                    match &p.after {
+                        Some(after) => {
+                            w.line(format_args!("{name}: after {} eventually {holds}{text}", condition(after)))
+                        }
+                        None => w.line(format_args!("{assumed}{name}: {} {holds}{text}", p.kind.words())),
+                    }
                 })
             })?;
         }
@@ -146,9 +145,17 @@ impl Writer {
     }
 
     fn plant(&mut self, p: &Plant) -> fmt::Result {
-        self.block(format_args!("plant"), |w| {
+        let head = if p.by_steps.is_some() { "plant by steps" } else { "plant" };
+        self.block(format_args!("{head}"), |w| {
             for h in &p.hidden {
-                w.line(format_args!("hidden {}{}", h.name.text, text(&h.description)))?;
+                let kind = h.integer.as_ref().map(|k| format!(" : {}", kind(k))).unwrap_or_default();
+                w.line(format_args!("hidden {}{kind}{}", h.name.text, text(&h.description)))?;
+            }
+            for s in &p.steps {
+                let one = |(e, w): &(Effect, Option<Guard>)| format!("{}{}", effects(std::slice::from_ref(e)), when(w));
+                let outcomes = s.outcomes.iter().map(one).collect::<Vec<_>>().join(", ");
+                let head = text(&Some(s.text.clone()));
+                w.line(format_args!("step{head} when {} then {outcomes}", condition(&s.condition)))?;
             }
             if !p.initially.is_empty() {
                 w.block(format_args!("initially"), |w| w.steps(&p.initially))?;
@@ -176,6 +183,7 @@ impl Writer {
         steps.iter().try_for_each(|s| {
             let line = match &s.doing {
                 Doing::Set(names, value) => format!("{} {}", if *value { "set" } else { "reset" }, list(names)),
+                Doing::Any(names) => format!("any {}", list(names)),
                 Doing::Press(names, None) => format!("press {}", list(names)),
                 Doing::Press(names, Some(t)) => format!("press {} for {}", list(names), time(t)),
                 Doing::Force(forced) => {
@@ -339,6 +347,17 @@ fn place(place: &Place) -> String {
 
 fn priority(priority: Option<(u32, crate::base::Span)>) -> String {
     priority.map(|(n, _)| format!(" priority {n}")).unwrap_or_default()
+}
+
+/// What a variable can hold.
+fn kind(kind: &VariableKind) -> String {
+    match kind {
+        VariableKind::Bool(initial) => format!("BOOL := {initial}"),
+        VariableKind::Integer { lowest, highest, initial, .. } => {
+            let initial = initial.map(|(n, _)| format!(" := {n}")).unwrap_or_default();
+            format!("{lowest}..{highest}{initial}")
+        }
+    }
 }
 
 fn effects(effects: &[Effect]) -> String {

@@ -105,9 +105,19 @@ fn steps(text: &mut String, project: &Project, sfc: &Sfc) {
 const INFALLIBLE: &str = "a String takes everything";
 
 fn rung(text: &mut String, project: &Project, rung: &Rung) {
-    let name = |g: GlobalId| project.globals[g].name.as_str();
+    drawn(text, rung, &|g| project.globals[g].name.clone());
+}
+
+/// A rung of a project with what each of its variables is: `[ Stop=1 ]`.
+pub fn rung_with(project: &Project, rung: &Rung, value: &dyn Fn(GlobalId) -> i64) -> String {
+    let mut text = String::new();
+    drawn(&mut text, rung, &|g| format!("{}={}", project.globals[g].name, value(g)));
+    text
+}
+
+fn drawn(text: &mut String, rung: &Rung, name: &dyn Fn(GlobalId) -> String) {
     text.push_str("\n  ");
-    text.push_str(name(rung.coil));
+    text.push_str(&name(rung.coil));
     described(text, &rung.comment);
 
     // A coil on the rail has one branch, without contacts.
@@ -150,7 +160,7 @@ fn rung(text: &mut String, project: &Project, rung: &Rung) {
             let function = rung.function.as_ref().map(|f| {
                 let operand = |o: &Operand| match o {
                     Operand::Const(n) => n.to_string(),
-                    Operand::Global(g) => name(*g).to_owned(),
+                    Operand::Global(g) => name(*g),
                 };
                 let operands: Vec<String> = f.operands.iter().map(operand).collect();
                 format!("[{} {}]--", f.operator.name(), operands.join(", "))

@@ -170,7 +170,8 @@ impl Context<'_> {
         Operand::Global(id)
     }
 
-    fn function(
+    /// A rung with a function whose result `coil` takes.
+    pub fn function(
         &self,
         rungs: &mut Vec<Rung>,
         operator: Operator,

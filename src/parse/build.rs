@@ -125,13 +125,7 @@ fn variable(p: Pair<'_, Rule>) -> Variable {
         match p.as_rule() {
             Rule::name => variable.name = name(p),
             Rule::constant => variable.kind = VariableKind::Bool(p.as_str() == "true"),
-            Rule::range => {
-                let span = span(&p);
-                let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| numbers::integer(p).0);
-                let mut end = || ends.next().expect("a range has two ends");
-                let (lowest, highest) = (end(), end());
-                variable.kind = VariableKind::Integer { lowest, highest, initial: None, span };
-            }
+            Rule::range => variable.kind = numbers::range(p),
             Rule::integer => {
                 if let VariableKind::Integer { initial, .. } = &mut variable.kind {
                     *initial = Some(numbers::integer(p));

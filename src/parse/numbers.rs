@@ -3,7 +3,7 @@
 use super::Rule;
 use super::build::{name, span};
 use crate::base::Span;
-use crate::ir::ast::Name;
+use crate::ir::ast::{Name, VariableKind};
 use crate::ir::number::{Comparison, Number, Operand, Relation};
 use pest::iterators::Pair;
 
@@ -19,6 +19,15 @@ pub fn comparison(p: Pair<'_, Rule>) -> Comparison<Name> {
     let (right, left) = (sums.pop(), sums.pop());
     let (left, right) = left.zip(right).expect("a comparison has two sides");
     Comparison { left, relation, right }
+}
+
+/// An integer's range, without a value to begin with.
+pub fn range(p: Pair<'_, Rule>) -> VariableKind {
+    let span = span(&p);
+    let mut ends = p.into_inner().filter(|p| p.as_rule() == Rule::integer).map(|p| integer(p).0);
+    let mut end = || ends.next().expect("a range has two ends");
+    let (lowest, highest) = (end(), end());
+    VariableKind::Integer { lowest, highest, initial: None, span }
 }
 
 /// An integer and where it stands; what is too large is as large as can be.

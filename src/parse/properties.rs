@@ -9,7 +9,7 @@ use pest::iterators::Pair;
 pub fn properties<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Property>) {
     for p in p.into_inner() {
         match p.as_rule() {
-            Rule::property => into.push(property(p)),
+            Rule::property | Rule::fairness => into.push(property(p)),
             Rule::bad_property => bad.push(p),
             _ => {}
         }
@@ -17,18 +17,27 @@ pub fn properties<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Prope
 }
 
 fn property(p: Pair<'_, Rule>) -> Property {
-    let (mut named, mut kind, mut condition, mut description) = (None, None, None, None);
+    let (mut named, mut condition, mut description) = (None, None, None);
+    let mut kind = (p.as_rule() == Rule::fairness).then_some(PropertyKind::Fair);
+    let mut after = None;
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => named = Some(name(p)),
             Rule::quantifier => {
-                let possible = p.clone().into_inner().any(|p| p.as_rule() == Rule::kw_possible);
+                let says = |rule: Rule| p.clone().into_inner().any(|p| p.as_rule() == rule);
                 kind = Some(match p.as_str() {
-                    _ if possible => PropertyKind::AlwaysPossible,
+                    _ if says(Rule::kw_possible) => PropertyKind::AlwaysPossible,
+                    _ if says(Rule::kw_eventually) => PropertyKind::Eventually,
                     word if word.starts_with("never") => PropertyKind::Never,
                     word if word.starts_with("reachable") => PropertyKind::Reachable,
                     _ => PropertyKind::Always,
                 });
+            }
+            Rule::response => {
+                kind = Some(PropertyKind::Eventually);
+                let mut conditions = p.into_inner().filter(|p| p.as_rule() == Rule::expression).map(guard);
+                after = conditions.next();
+                condition = conditions.next();
             }
             Rule::expression => condition = Some(guard(p)),
             Rule::text => description = Some(text(p)),
@@ -38,6 +47,7 @@ fn property(p: Pair<'_, Rule>) -> Property {
     Property {
         name: named.expect("a property has a name"),
         kind: kind.expect("a property says how often"),
+        after,
         condition: condition.expect("a property has a condition"),
         text: description,
     }

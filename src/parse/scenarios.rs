@@ -1,9 +1,12 @@
 //! The parser's pairs of plants and scenarios to their syntax trees.
 
 use super::Rule;
-use super::build::{Bad, guard, name, number, span, text};
+use super::build::{Bad, effect, guard, name, number, span, text};
+use super::numbers;
 use crate::base::Span;
-use crate::ir::ast::{self, Change, Doing, Guard, Hidden, Name, Plant, Scenario, Step, Text, Time, TimeUnit, Travel};
+use crate::ir::ast::{
+    self, Change, Doing, Guard, Happening, Hidden, Name, Plant, Scenario, Step, Text, Time, TimeUnit, Travel,
+};
 use pest::iterators::Pair;
 
 /// `plant { … }`.
@@ -11,7 +14,9 @@ pub fn plant<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Plant {
     let mut plant = Plant::default();
     for p in p.into_inner() {
         match p.as_rule() {
+            Rule::by_steps => plant.by_steps = Some(span(&p)),
             Rule::hidden => plant.hidden.push(hidden(p)),
+            Rule::happening => plant.steps.push(happening(p)),
             Rule::initially => steps(p, bad, &mut plant.initially),
             Rule::travel => plant.travels.push(travel(p)),
             Rule::reaction => plant.rules.push(rule(p)),
@@ -36,6 +41,7 @@ fn steps<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Step>) {
         match p.as_rule() {
             Rule::bad_step => bad.push(p),
             Rule::preset
+            | Rule::unknown
             | Rule::press
             | Rule::force
             | Rule::release
@@ -79,6 +85,7 @@ fn step<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Step {
     let Parts { names, forced, condition, time, number, description } = parts;
     let doing = match rule {
         Rule::preset => Doing::Set(names, source.starts_with("set")),
+        Rule::unknown => Doing::Any(names),
         Rule::press => Doing::Press(names, time),
         Rule::force => Doing::Force(forced),
         Rule::release => Doing::Release(names),
@@ -113,15 +120,48 @@ struct Parts {
 }
 
 fn hidden(p: Pair<'_, Rule>) -> Hidden {
-    let mut hidden = Hidden { name: Name { text: String::new(), span: span(&p) }, description: None };
+    let mut hidden = Hidden { name: Name { text: String::new(), span: span(&p) }, integer: None, description: None };
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => hidden.name = name(p),
+            Rule::range => hidden.integer = Some(numbers::range(p)),
+            Rule::integer => {
+                if let Some(ast::VariableKind::Integer { initial, .. }) = &mut hidden.integer {
+                    *initial = Some(numbers::integer(p));
+                }
+            }
             Rule::text => hidden.description = Some(text(p)),
             _ => {}
         }
     }
     hidden
+}
+
+fn happening(p: Pair<'_, Rule>) -> Happening {
+    let (mut words, mut condition, mut outcomes) = (None, None, Vec::new());
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::text => words = Some(text(p)),
+            Rule::expression => condition = Some(guard(p)),
+            Rule::outcome => {
+                let (mut effects, mut when) = (Vec::new(), None);
+                for p in p.into_inner() {
+                    match p.as_rule() {
+                        Rule::effect => effects.extend(effect(p)),
+                        Rule::expression => when = Some(guard(p)),
+                        _ => {}
+                    }
+                }
+                outcomes.push((effects.pop().expect("an outcome has an effect"), when));
+            }
+            _ => {}
+        }
+    }
+    Happening {
+        text: words.expect("a step has a text"),
+        condition: condition.expect("a step has a condition"),
+        outcomes,
+    }
 }
 
 fn travel(p: Pair<'_, Rule>) -> Travel {

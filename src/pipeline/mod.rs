@@ -1,5 +1,7 @@
 //! The one place that knows the order of the stages.
 
+pub mod replay;
+mod rungs;
 pub mod verify;
 
 use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity};

@@ -1,9 +1,9 @@
 //! A machine to answers about all its runs, each with the run that shows it.
 
-use super::check;
+use super::{check, rungs};
 use crate::base::Diagnostics;
-use crate::ir::chart::{InputId, Machine};
-use crate::ir::scenario::{Doing, Given, PropertyKind, Scenario, Step};
+use crate::ir::chart::{Atom, InputId, Machine, OutputId};
+use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Seen, Step};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
@@ -12,6 +12,7 @@ use crate::verify::engine::{self, Choice, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::system::Trace;
 use crate::verify::{Limit, Limits, Verdict};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 pub use crate::verify::machine::questions::{Question, transition};
@@ -80,11 +81,16 @@ pub struct Run {
     pub frames: Vec<Frame>,
     /// Whether no shorter run shows the same.
     pub shortest: bool,
+    /// The scan, counted from 1, from which on it can repeat itself for ever, if that is what it shows.
+    pub repeats: Option<usize>,
     /// The run as a scenario, in the words of the language.
     pub scenario: String,
     /// Whether the chart does the same in the simulator. It does unless times are needed that a fixed cycle
     /// does not give; nothing if it is no run of the chart.
     pub replayed: Option<bool>,
+    /// The rungs that drove the outputs in question in the last scan, with what every contact was; nothing if no
+    /// output is in question, or the program does something else because of times.
+    pub rungs: Option<String>,
 }
 
 /// Text to answers. Nothing if the model has errors. `stop` is asked now and then whether to end.
@@ -137,7 +143,10 @@ pub fn words(machine: &Machine, question: Question) -> String {
     match question {
         Question::Declared(i) => {
             let p = &machine.properties[i];
-            format!("{}: {} {}", p.name, p.kind.words(), condition(machine, i))
+            format!("{}: {}", p.name, says(machine, i))
+        }
+        Question::Arises(i) => {
+            format!("{}: what it speaks of happens in a fair run", machine.properties[i].name)
         }
         Question::Violated(c) => {
             let c = &machine.safety.constraints[c];
@@ -154,26 +163,42 @@ pub fn words(machine: &Machine, question: Question) -> String {
     }
 }
 
+/// What a property says, in the words of the language.
+fn says(machine: &Machine, property: usize) -> String {
+    let p = &machine.properties[property];
+    match &p.after {
+        Some(after) => format!("after {} eventually {}", text(machine, after), text(machine, &p.condition)),
+        None => format!("{} {}", p.kind.words(), text(machine, &p.condition)),
+    }
+}
+
 fn condition(machine: &Machine, property: usize) -> String {
+    text(machine, &machine.properties[property].condition)
+}
+
+fn text(machine: &Machine, condition: &Condition) -> String {
     let mut out = String::new();
-    let written = machine.properties[property]
-        .condition
-        .write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
+    let written = condition.write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
     written.expect("writing to a string succeeds");
     out
 }
 
 /// A run of the system as people see it, played once more by the simulator.
-fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
+pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
     // What people look at is worth the time to make it calm.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
     let calm = question.is_demand().then(|| subject.system.calm(trace, property));
     let trace = calm.as_ref().unwrap_or(trace);
-    let replay = subject.system.replay(trace).expect("the engines replay what they return");
+    let repeats = subject.system.repeats(trace, property);
+    let scans = trace.inputs.len();
+    // What repeats itself is played twice.
+    let mut longer = trace.clone();
+    longer.inputs.extend_from_slice(&trace.inputs[repeats.unwrap_or(scans)..]);
+    let replay = subject.system.replay(&longer).expect("the engines replay what they return");
     let view = subject.view.frame();
     let frame = |values: &Vec<u64>| view.iter().map(|&l| lanes(values, l) & 1 == 1).collect();
-    let frames: Vec<Frame> = replay.values.iter().map(frame).collect();
+    let mut frames: Vec<Frame> = replay.values.iter().map(frame).collect();
     let machine = subject.machine;
     let gives = if options.open { vec![true; machine.inputs.len()] } else { machine.plant.gives(machine.inputs.len()) };
     let steps = steps(machine, &gives, &frames);
@@ -182,20 +207,65 @@ fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Opti
         Question::Declared(i) => match machine.properties[i].kind {
             PropertyKind::Never => format!("  never {}\n", condition(machine, i)),
             PropertyKind::Always => format!("  always {}\n", condition(machine, i)),
-            PropertyKind::Reachable | PropertyKind::AlwaysPossible => String::new(),
+            PropertyKind::Reachable | PropertyKind::AlwaysPossible | PropertyKind::Eventually | PropertyKind::Fair => {
+                String::new()
+            }
         },
         _ => String::new(),
     };
     let mut scenario = format!("scenario {} {{\n{watch}", quoted(&name));
     steps.iter().for_each(|s| write_step(machine, s, &mut scenario));
-    if let Question::Declared(i) = question
-        && machine.properties[i].kind == PropertyKind::Reachable
-    {
-        let _ = writeln!(scenario, "  expect {}", condition(machine, i));
+    if let Question::Declared(i) = question {
+        match machine.properties[i].kind {
+            PropertyKind::Reachable => {
+                let _ = writeln!(scenario, "  expect {}", condition(machine, i));
+            }
+            PropertyKind::Eventually => {
+                // Where nothing comes in anew, the answer does not come however long one waits.
+                let loops = &frames[repeats.unwrap_or(scans)..];
+                let given = Layout::of(machine).inputs();
+                let still = loops.windows(2).all(|pair| pair[0][given.clone()] == pair[1][given.clone()]);
+                let answer = condition(machine, i);
+                let _ = if still {
+                    writeln!(scenario, "  wait until {answer} within {} scans", scans.max(100))
+                } else {
+                    writeln!(scenario, "  expect {answer}")
+                };
+            }
+            PropertyKind::Never | PropertyKind::Always | PropertyKind::AlwaysPossible | PropertyKind::Fair => {}
+        }
     }
     scenario += "}\n";
     let replayed = (options.program == Program::Chart).then(|| is_replayed(machine, &steps, &frames));
-    Run { frames, shortest: trace.shortest, scenario, replayed }
+    frames.truncate(scans);
+    let outputs = if replayed == Some(true) { outputs(machine, question) } else { Vec::new() };
+    let rungs = if outputs.is_empty() { None } else { rungs::show(machine, &frames, &outputs) };
+    Run { frames, shortest: trace.shortest, repeats: repeats.map(|scan| scan + 1), scenario, replayed, rungs }
+}
+
+/// The outputs of which a demand speaks.
+fn outputs(machine: &Machine, question: Question) -> Vec<OutputId> {
+    let mut outputs = BTreeSet::new();
+    let mut note = |atom: &Atom| {
+        if let Atom::Output(o) | Atom::PrevOutput(o) = atom {
+            outputs.insert(*o);
+        }
+    };
+    match question {
+        Question::Declared(i) => {
+            let p = &machine.properties[i];
+            for condition in p.after.iter().chain([&p.condition]) {
+                condition.for_each_atom(&mut |seen| {
+                    if let Seen::Machine(atom) = seen {
+                        note(atom);
+                    }
+                });
+            }
+        }
+        Question::Violated(c) => machine.safety.constraints[c].never.for_each_atom(&mut note),
+        _ => {}
+    }
+    outputs.into_iter().collect()
 }
 
 /// What to do, so that the program samples in each scan what stands in the frames. What the plant gives is

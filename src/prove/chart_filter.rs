@@ -28,6 +28,8 @@ pub struct Filtered {
     pub acted: Vec<Lit>,
     /// What is remembered, in the order of [`Safety::marks`](crate::ir::chart::Safety::marks).
     pub marks: Vec<Lit>,
+    /// Whether what was noted before still is, because this is not the reset.
+    pub held: Lit,
 }
 
 /// The filter with all reliefs gathered in `rounds` rounds; `marks` is what it remembers from before.
@@ -70,7 +72,7 @@ pub fn filter(
         after.push(aig.or(begins, stays));
         after.extend(first.iter().zip(&acted).map(|(&was, &acts)| aig.select(held, was, acts)));
     }
-    Filtered { outputs, acted, marks: after }
+    Filtered { outputs, acted, marks: after, held }
 }
 
 /// The number of rounds after which no product is newly violated, whatever commands and readings are; in

@@ -13,15 +13,21 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
+mod histories;
+mod unknown;
+
 use super::chart_filter;
 use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId, VariableId,
+    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, ScanNumber, StateId, StateKind, TransitionId,
+    VariableId,
 };
 use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
+
+pub use unknown::Unknown;
 
 /// What a chart remembers from scan to scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,15 +53,25 @@ pub struct ChartState {
     pub last: Vec<Option<Lit>>,
     /// For each integer, its value in as many bits as an INT has.
     pub integers: Vec<Vector>,
+    /// Each number that the filter keeps, in the order of
+    /// [`Safety::scan_numbers`](crate::ir::chart::Safety::scan_numbers), in as many bits as a UDINT has;
+    /// nothing where [nobody asks](ChartStep::without_scans).
+    pub scans: Vec<Vector>,
 }
 
 impl ChartState {
+    /// A bit of a number that the filter keeps.
+    pub fn scan_bit(&self, number: ScanNumber, bit: u8) -> Lit {
+        self.scans[number as usize][usize::from(bit)]
+    }
+
     /// All of it in one row: states, variables, inputs, outputs, events, timers, the filter's marks, histories,
-    /// integers.
+    /// integers, numbers of scans.
     pub fn bits(&self) -> Vec<Lit> {
-        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers } = self;
+        let ChartState { active, variables, inputs, outputs, raised, fresh, past, marks, last, integers, scans } = self;
         let always = [active, variables, inputs, outputs, raised, fresh, past, marks].into_iter().flatten();
-        always.chain(last.iter().flatten()).chain(integers.iter().flatten()).copied().collect()
+        let numbers = integers.iter().chain(scans).flatten();
+        always.chain(last.iter().flatten()).chain(numbers).copied().collect()
     }
 }
 
@@ -93,6 +109,10 @@ pub struct ChartStep<'m> {
     /// For each region, whether some transition asks for its history.
     histories: Vec<bool>,
     rounds: usize,
+    /// What runs in place of the control charts, if it is not these.
+    unknown: Option<Unknown>,
+    /// How many numbers of scans are kept.
+    scans: usize,
 }
 
 impl<'m> ChartStep<'m> {
@@ -109,7 +129,35 @@ impl<'m> ChartStep<'m> {
         }
         timers.values_mut().enumerate().for_each(|(i, index)| *index = i);
         let (scoped, ending) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
-        ChartStep { machine, scoped, ending, timers, histories: histories(machine), rounds }
+        let scans = machine.safety.scan_numbers().count();
+        ChartStep {
+            machine,
+            scoped,
+            ending,
+            timers,
+            histories: histories::asked(machine),
+            rounds,
+            unknown: None,
+            scans,
+        }
+    }
+
+    /// The same without the numbers of scans. Nothing in the machine reads them, but a counter has more
+    /// values than a search can visit.
+    #[must_use]
+    pub fn without_scans(self) -> Self {
+        ChartStep { scans: 0, ..self }
+    }
+
+    /// The same with that program in place of the control charts: none of their states is ever active.
+    #[must_use]
+    pub fn behind(self, program: Unknown) -> Self {
+        ChartStep { unknown: Some(program), ..self }
+    }
+
+    /// How many numbers of scans are kept.
+    pub fn scans(&self) -> usize {
+        self.scans
     }
 
     /// Whether the state is of a region whose history some transition asks for.
@@ -137,13 +185,17 @@ impl<'m> ChartStep<'m> {
             marks: vec![Lit::FALSE; m.safety.marks().count()],
             last: m.states.ids().map(|s| self.remembers(s).then_some(Lit::FALSE)).collect(),
             integers: numbers::initial(m),
+            scans: vec![numbers::no_scan(); self.scans],
         };
         let elapsed = vec![Lit::FALSE; self.timers.len()];
         let given = Given { step: self, inputs, before: &before, elapsed: &elapsed, outputs: None };
         let mut now = Now::of(&before, m);
         let none = now.fires.clone();
         self.move_on(aig, given, &mut now, &none, Some(ChartKind::Observer));
-        self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control));
+        match &self.unknown {
+            Some(program) => program.act(&mut now),
+            None => self.move_on(aig, given, &mut now, &none, Some(ChartKind::Control)),
+        }
         self.rest(aig, given, now)
     }
 
@@ -158,7 +210,10 @@ impl<'m> ChartStep<'m> {
         let given = Given { step: self, inputs, before, elapsed: &elapsed, outputs: None };
         let mut now = Now::of(before, self.machine);
         self.step(aig, given, &mut now, ChartKind::Observer, Phase::Start);
-        self.step(aig, given, &mut now, ChartKind::Control, Phase::Start);
+        match &self.unknown {
+            Some(program) => program.act(&mut now),
+            None => self.step(aig, given, &mut now, ChartKind::Control, Phase::Start),
+        }
         self.rest(aig, given, now)
     }
 
@@ -399,7 +454,10 @@ impl<'m> ChartStep<'m> {
                 drives[drive.output.index()].push(aig.and(now.active[id.index()], condition));
             }
         }
-        let commands: Vec<Lit> = drives.iter().map(|d| aig.any(d)).collect();
+        let commands = match &self.unknown {
+            Some(program) => program.commands.clone(),
+            None => drives.iter().map(|d| aig.any(d)).collect(),
+        };
 
         let broken = m.safety.assumptions.iter().map(|a| reading.guard(aig, &a.never)).collect();
         let mut read = |aig: &mut Aig, atom: Atom| reading.atom(aig, atom);
@@ -425,6 +483,7 @@ impl<'m> ChartStep<'m> {
             begins.push(aig.and(given.before.active[s.index()], given.before.fresh[i]));
         }
         let after = ChartState {
+            scans: numbers::scans(aig, &given.before.scans, &filtered),
             active,
             variables,
             inputs: given.inputs.to_vec(),
@@ -439,28 +498,6 @@ impl<'m> ChartStep<'m> {
         let events = given.before.raised.clone();
         ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins, readings }
     }
-}
-
-/// For each region, whether some transition asks for its history.
-fn histories(machine: &Machine) -> Vec<bool> {
-    let mut shallow = vec![false; machine.states.len()];
-    let mut deep = shallow.clone();
-    for t in machine.transitions.values() {
-        match t.inside {
-            Inside::History => shallow[t.target.index()] = true,
-            Inside::DeepHistory => deep[t.target.index()] = true,
-            Inside::Default | Inside::Fork(_) => {}
-        }
-    }
-    let mut asked = vec![false; machine.regions.len()];
-    for (id, region) in machine.regions.iter() {
-        // What is deep reaches all that is below; a parent comes before what it contains.
-        for &s in &region.states {
-            deep[s.index()] |= region.parent.is_some_and(|p| deep[p.index()]);
-        }
-        asked[id.index()] = region.parent.is_some_and(|p| shallow[p.index()] || deep[p.index()]);
-    }
-    asked
 }
 
 /// What a scan has made so far of what is remembered.

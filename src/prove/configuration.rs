@@ -11,7 +11,7 @@
 //! ([`broken`], [`beyond`]).
 
 use super::chart_step::{ChartState, ChartStep};
-use super::parts::WIDTH;
+use super::parts::{SCAN_WIDTH, WIDTH};
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{Integer, Machine, RegionId, StateId};
@@ -41,6 +41,9 @@ pub fn any(aig: &mut Aig, machine: &Machine, chart: &ChartStep<'_>) -> ChartStat
         outputs: machine.outputs.values().map(|o| aig.leaf(format!("prev({})", o.name))).collect(),
         marks: machine.safety.marks().map(|mark| aig.leaf(machine.mark(mark))).collect(),
         integers: machine.integers.values().map(|i| within(aig, i)).collect(),
+        scans: (0..chart.scans())
+            .map(|n| (0..SCAN_WIDTH).map(|bit| aig.leaf(format!("scan {n}#{bit}"))).collect())
+            .collect(),
     }
 }
 

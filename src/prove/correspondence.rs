@@ -5,7 +5,7 @@
 //! program: that the variable of this name does hold what the machine says is what is to be proved.
 
 use crate::base::Span;
-use crate::ir::chart::{Constraint, Machine, Mark, StateId};
+use crate::ir::chart::{Constraint, Machine, Mark, ScanNumber, StateId};
 use crate::ir::plc::{Body, Project, Role};
 use std::collections::BTreeMap;
 
@@ -39,6 +39,9 @@ pub struct Correspondence {
     /// The global for each thing that the filter remembers, in the order of
     /// [`Safety::marks`](crate::ir::chart::Safety::marks).
     pub marks: Vec<Option<String>>,
+    /// The global for each number that the filter keeps, in the order of
+    /// [`Safety::scan_numbers`](crate::ir::chart::Safety::scan_numbers).
+    pub scans: Vec<Option<String>>,
     /// The global for each assumption that is TRUE when the plant breaks it.
     pub broken: Vec<Option<String>>,
     /// For each state and time in milliseconds that a guard waits for, the program that holds its timer,
@@ -124,6 +127,14 @@ impl Correspondence {
                     Mark::First(c) => constraint(Role::First, &machine.safety.constraints[c]),
                 })
                 .collect(),
+            scans: machine
+                .safety
+                .scan_numbers()
+                .map(|number| match number {
+                    ScanNumber::This => find(Role::Scan, machine.safety.span),
+                    ScanNumber::First => find(Role::FirstScan, machine.safety.span),
+                })
+                .collect(),
             broken: machine.safety.assumptions.iter().map(|a| find(Role::Alarm, a.span)).collect(),
             timers,
         }
@@ -147,5 +158,7 @@ fn rank(role: Role) -> u8 {
         Role::Event => 11,
         Role::History => 12,
         Role::Interim => 13,
+        Role::Scan => 14,
+        Role::FirstScan => 15,
     }
 }

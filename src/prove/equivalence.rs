@@ -5,7 +5,7 @@
 //!
 //! After every scan, whatever the inputs have been since power-up: the flag and the step of each state
 //! are what the chart says of it, and so are each output, each variable, each integer, each command, the flag of each
-//! constraint and of each assumption. In short, every [`Part`](super::parts::Part) that the program has something for.
+//! constraint and of each assumption, and what the filter remembers, numbers of scans included. In short, every [`Part`](super::parts::Part) that the program has something for.
 //!
 //! # How
 //!
@@ -41,7 +41,7 @@ use super::induction::{self, Claim, Count, Failure, Situation};
 use super::joint::Joint;
 use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
-use super::parts::WIDTH;
+use super::parts::{SCAN_WIDTH, WIDTH};
 use super::program_step::ProgramStep;
 use super::search::{self, search};
 use super::trace::Trace;
@@ -268,7 +268,8 @@ fn describe(machine: &Machine, s: &Situation) -> String {
     let names = variables.chain(inputs).chain(outputs).chain(events);
     let remembered = s.memory.iter().skip(machine.states.len()).zip(names);
     parts.extend(remembered.filter(|(v, _)| **v).map(|(_, name)| name));
-    let bits = &s.memory[s.memory.len() - machine.integers.len() * usize::from(WIDTH)..];
+    let scans = machine.safety.scan_numbers().count() * usize::from(SCAN_WIDTH);
+    let bits = &s.memory[s.memory.len() - scans - machine.integers.len() * usize::from(WIDTH)..];
     let integers = machine.integers.values().zip(bits.chunks(usize::from(WIDTH)));
     parts.extend(integers.map(|(i, bits)| format!("{} = {}", i.name, vector::value(bits.iter().copied()))));
     let now = s.inputs.iter().zip(machine.inputs.values());

@@ -287,6 +287,7 @@ impl<'a> Both<'a> {
             marks: none(pair.machine.safety.marks().count()),
             last: pair.machine.states.ids().map(|s| pair.chart.remembers(s).then_some(Lit::FALSE)).collect(),
             integers: super::chart_numbers::initial(pair.machine),
+            scans: vec![super::chart_numbers::no_scan(); pair.chart.scans()],
         };
         let program = pair.program.power_up();
         Both { pair, aig, before, inputs, clocks: none(timers), chart, program, given: Lit::TRUE }

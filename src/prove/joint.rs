@@ -6,7 +6,7 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use super::matching::{Match, Pair};
-use super::parts::{Part, WIDTH};
+use super::parts::{Part, SCAN_WIDTH, WIDTH};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::ir::iec::Time;
 
@@ -110,6 +110,9 @@ impl Joint {
                 .integers
                 .values()
                 .map(|i| (0..WIDTH).map(|bit| aig.leaf(format!("{}.{bit}", i.name))).collect())
+                .collect(),
+            scans: (0..chart.scans())
+                .map(|n| (0..SCAN_WIDTH).map(|bit| aig.leaf(format!("scan {n}.{bit}"))).collect())
                 .collect(),
         };
         let latches = program.latches().iter().zip(program.power_up()).zip(&remembered);

@@ -2,15 +2,18 @@
 
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
-use super::parts::{Meaning, Part, Timer, WIDTH};
+use super::parts::{Meaning, Part, SCAN_WIDTH, Timer, WIDTH, said};
 use super::program_step::ProgramStep;
+use super::wiring;
 use crate::base::iec;
 use crate::ir::chart::{Machine, StateId};
 use crate::ir::iec::{BlockId, Body, Kind, Project, Scope, VarId};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The type of integers.
 const INT: Kind = Kind::Int { bits: WIDTH, signed: true };
+/// The type of the numbers of scans.
+const UDINT: Kind = Kind::Int { bits: SCAN_WIDTH, signed: false };
 
 /// Which latches of a program stand for which parts of a machine.
 #[derive(Clone, Debug)]
@@ -91,16 +94,24 @@ impl Match {
                 add(part, name)?;
             }
         }
+        let number = |name: &String, what: &str, kind: Kind, type_name: &str| {
+            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, what))?;
+            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == kind);
+            latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not {type_name}"))
+        };
         for (id, name) in machine.integers.ids().zip(&names.integers) {
-            let what = format!("integer {}", machine.integers[id].name);
-            let variable = globals.get(&iec::fold(name)).ok_or_else(|| missing(name, &what))?;
-            let latches = program.integer(*variable).filter(|_| project.variables[*variable].kind == INT);
-            let latches = latches.ok_or_else(|| format!("`{name}`, which stands for {what}, is not INT"))?;
+            let latches = number(name, &format!("integer {}", machine.integers[id].name), INT, "INT")?;
             matched.parts.extend((0..WIDTH).map(|bit| Part::Bit(id, bit)).zip(latches));
+        }
+        for (which, name) in machine.safety.scan_numbers().zip(&names.scans) {
+            if let Some(name) = name {
+                let latches = number(name, said(which), UDINT, "UDINT")?;
+                matched.parts.extend((0..SCAN_WIDTH).map(|bit| Part::Scan(which, bit)).zip(latches));
+            }
         }
         matched.steps(pair, names, project);
         matched.timers(pair, names, project);
-        foreign_inputs(project, program, &matched.inputs)?;
+        wiring::compare(machine, names, project)?;
         matched.by_construction(pair, project);
         for (state, name) in machine.states.ids().zip(&names.last) {
             let name = name.as_ref().filter(|_| pair.chart.remembers(state));
@@ -202,18 +213,6 @@ impl Match {
         }
         self.meanings = meanings;
     }
-}
-
-/// A program that reads what the machine does not have is no program of this machine.
-fn foreign_inputs(project: &Project, program: &ProgramStep<'_>, inputs: &[usize]) -> Result<(), String> {
-    let known: BTreeSet<usize> = inputs.iter().copied().collect();
-    for (id, variable) in project.variables.iter() {
-        let located = variable.address.as_deref().is_some_and(|a| a.to_ascii_uppercase().starts_with("%I"));
-        if located && !program.variable(id).is_some_and(|latch| known.contains(&latch)) {
-            return Err(format!("the program has an input `{}` that the machine does not have", variable.name));
-        }
-    }
-    Ok(())
 }
 
 fn missing(name: &str, what: &str) -> String {

@@ -11,6 +11,7 @@
 //! | [`guard`] | what the program's filter lets through, whatever is commanded |
 //! | [`lemmas`] | what a chart can never reach, where the induction asks for it |
 //! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
+//! | [`wiring`] | addresses and the time between two scans |
 //! | [`trace`] | the run that shows it, as a table |
 //! | [`mod@equivalence`] | all of it, in order |
 //!
@@ -33,6 +34,7 @@ pub mod program_step;
 pub mod search;
 pub mod shorten;
 pub mod trace;
+pub mod wiring;
 
 pub use correspondence::Correspondence;
 pub use equivalence::{Doubt, Statistics, Verdict, equivalence, equivalence_within};

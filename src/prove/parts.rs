@@ -3,10 +3,15 @@
 
 use super::chart_step::{ChartScan, ChartState};
 use crate::bits::aig::Lit;
-use crate::ir::chart::{ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, VariableId};
+use crate::ir::chart::{
+    ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, ScanNumber, StateId, VariableId,
+};
 
 /// How many bits an integer has: those of an INT.
 pub const WIDTH: u8 = 16;
+
+/// How many bits the number of a scan has: those of a UDINT.
+pub const SCAN_WIDTH: u8 = 32;
 
 /// A part of a machine that something in the program stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +30,8 @@ pub enum Part {
     Raised(EventId),
     /// A bit of the integer's value, counted from the lowest; the highest is the sign.
     Bit(IntegerId, u8),
+    /// A bit of a number that the filter keeps, counted from the lowest; none is the sign.
+    Scan(ScanNumber, u8),
     /// Whether an active state drives the output.
     Command(OutputId),
     /// Whether the constraint had to act.
@@ -60,6 +67,7 @@ impl Part {
             Part::Event(e) => scan.events[e.index()],
             Part::Raised(e) => scan.after.raised[e.index()],
             Part::Bit(i, bit) => scan.after.integers[i.index()][usize::from(bit)],
+            Part::Scan(number, bit) => scan.after.scan_bit(number, bit),
             Part::Command(o) => scan.commands[o.index()],
             Part::Acted(c) => scan.acted[c.index()],
             Part::Broken(a) => scan.broken[a],
@@ -78,6 +86,7 @@ impl Part {
             Part::Event(e) => format!("event {}", machine.events[e].name),
             Part::Raised(e) => format!("event {} is raised", machine.events[e].name),
             Part::Bit(i, bit) => format!("bit {bit} of integer {}", machine.integers[i].name),
+            Part::Scan(number, bit) => format!("bit {bit} of {}", said(number)),
             Part::Command(o) => format!("command of {}", machine.outputs[o].name),
             Part::Acted(c) => format!("constraint {} acts", machine.safety.constraints[c].name),
             Part::Broken(a) => format!("assumption {} broken", machine.safety.assumptions[a].name),
@@ -94,6 +103,7 @@ impl Part {
             Part::Output(o) => Some(Meaning::Output(o, true)),
             Part::Variable(v) => Some(Meaning::Variable(v, true)),
             Part::Bit(i, bit) => Some(Meaning::Bit(i, bit, true)),
+            Part::Scan(number, bit) => Some(Meaning::Scan(number, bit, true)),
             Part::Input(i) => Some(Meaning::Input(i, true)),
             Part::Raised(e) => Some(Meaning::Raised(e, true)),
             Part::Mark(mark, i) => Some(Meaning::Mark(mark, i, true)),
@@ -124,6 +134,8 @@ pub enum Meaning {
     Last(StateId, bool),
     /// That bit of the integer's value.
     Bit(IntegerId, u8, bool),
+    /// That bit of a number that the filter keeps.
+    Scan(ScanNumber, u8, bool),
     /// Whether the timer's state was entered in the last scan; anything while it is not active.
     Fresh(Timer, bool),
     /// Whether the timer's time had passed in the last scan; anything while its state is not active.
@@ -143,6 +155,7 @@ impl Meaning {
             Meaning::Mark(_, i, same) => state.marks[i].xor(!same),
             Meaning::Last(s, same) => state.last[s.index()].expect("only states of regions with a history").xor(!same),
             Meaning::Bit(i, bit, same) => state.integers[i.index()][usize::from(bit)].xor(!same),
+            Meaning::Scan(number, bit, same) => state.scan_bit(number, bit).xor(!same),
             Meaning::Fresh(t, same) => state.fresh[t.index].xor(!same),
             Meaning::Past(t, same) => state.past[t.index].xor(!same),
         }
@@ -160,7 +173,8 @@ impl Meaning {
             | Meaning::Variable(..)
             | Meaning::Mark(..)
             | Meaning::Last(..)
-            | Meaning::Bit(..) => Lit::TRUE,
+            | Meaning::Bit(..)
+            | Meaning::Scan(..) => Lit::TRUE,
         }
     }
 
@@ -177,6 +191,7 @@ impl Meaning {
             Meaning::Mark(mark, i, same) => Meaning::Mark(mark, i, !same),
             Meaning::Last(s, same) => Meaning::Last(s, !same),
             Meaning::Bit(i, bit, same) => Meaning::Bit(i, bit, !same),
+            Meaning::Scan(number, bit, same) => Meaning::Scan(number, bit, !same),
             Meaning::Fresh(t, same) => Meaning::Fresh(t, !same),
             Meaning::Past(t, same) => Meaning::Past(t, !same),
         }
@@ -191,6 +206,9 @@ impl Meaning {
         let raised = machine.events.ids().map(|e| Meaning::Raised(e, true));
         let marks = machine.safety.marks().enumerate().map(|(i, mark)| Meaning::Mark(mark, i, true));
         let bits = machine.integers.ids().flat_map(|i| (0..WIDTH).map(move |bit| Meaning::Bit(i, bit, true)));
+        let numbers = machine.safety.scan_numbers();
+        let scans = numbers.flat_map(|n| (0..SCAN_WIDTH).map(move |bit| Meaning::Scan(n, bit, true)));
+        let bits = bits.chain(scans);
         inputs.chain(outputs).chain(variables).chain(raised).chain(states).chain(marks).chain(bits).collect()
     }
 
@@ -206,9 +224,18 @@ impl Meaning {
             Meaning::Mark(mark, _, same) => (same, machine.mark(mark)),
             Meaning::Last(s, same) => (same, format!("{} was last in its region", machine.state_path(s))),
             Meaning::Bit(i, bit, same) => (same, format!("bit {bit} of integer {}", machine.integers[i].name)),
+            Meaning::Scan(number, bit, same) => (same, format!("bit {bit} of {}", said(number))),
             Meaning::Fresh(t, same) => (same, format!("{} was just entered", machine.state_path(t.state))),
             Meaning::Past(t, same) => (same, format!("{} has lasted {} ms", machine.state_path(t.state), t.ms)),
         };
         if same { what } else { format!("not {what}") }
+    }
+}
+
+/// A number that the filter keeps, in words.
+pub fn said(number: ScanNumber) -> &'static str {
+    match number {
+        ScanNumber::This => "the number of the scan",
+        ScanNumber::First => "the number of the first scan that is noted",
     }
 }

@@ -2,10 +2,11 @@
 
 use super::joint::{Joint, Run, Stimulus};
 use super::matching::{Match, Pair};
-use super::parts::{Part, WIDTH};
+use super::parts::{Part, SCAN_WIDTH, WIDTH, said};
 use super::program_step::Latch;
 use crate::bits::aig::Lit;
 use crate::bits::vector;
+use crate::ir::chart::ScanNumber;
 use crate::ir::iec::Time;
 use std::fmt;
 
@@ -51,6 +52,7 @@ impl Trace {
             // The bits of an integer are shown as the number that they are.
             let what = match part {
                 Part::Bit(i, _) => format!("integer {}", pair.machine.integers[i].name),
+                Part::Scan(number, _) => said(number).to_owned(),
                 part => part.describe(pair.machine),
             };
             let latch = match pair.program.latches()[latch] {
@@ -84,13 +86,18 @@ impl Trace {
     }
 }
 
-/// The row of the integer whose lowest bit is the thing compared at `place`, if it is to be shown.
+/// The row of the number whose lowest bit is the thing compared at `place`, if it is to be shown.
 fn number(place: usize, compared: &Compared, scan: &Scan, before: Option<&Scan>) -> Option<[String; 4]> {
-    let of = |values: &[bool]| vector::value(values[place..place + usize::from(WIDTH)].iter().copied());
+    let of = |values: &[bool]| match compared.part {
+        // Without a sign.
+        Part::Scan(..) => vector::value(values[place..place + usize::from(SCAN_WIDTH)].iter().copied().chain([false])),
+        _ => vector::value(values[place..place + usize::from(WIDTH)].iter().copied()),
+    };
     let (chart, program) = (of(&scan.chart), of(&scan.program));
     let was = before.map_or((0, 0), |b| (of(&b.chart), of(&b.program)));
     let found = match chart == program {
-        true if (chart, program) == was => return None,
+        // Which scan this is stands on the left.
+        true if (chart, program) == was || matches!(compared.part, Part::Scan(ScanNumber::This, _)) => return None,
         true => program.to_string(),
         false => format!("{program}  <- {}", compared.name),
     };
@@ -116,7 +123,7 @@ impl fmt::Display for Trace {
                 }
             }
             for (i, compared) in self.compared.iter().enumerate() {
-                if let Part::Bit(_, bit) = compared.part {
+                if let Part::Bit(_, bit) | Part::Scan(_, bit) = compared.part {
                     if bit == 0 {
                         rows.extend(number(i, compared, scan, before));
                     }
@@ -126,7 +133,12 @@ impl fmt::Display for Trace {
                 let changes = |value: bool, was: Option<bool>| value != was.unwrap_or(false);
                 let shown = match compared.part {
                     // The same as flag, input or event as long as nothing is wrong.
-                    Part::Step(_) | Part::Input(_) | Part::Raised(_) | Part::Begins(_) | Part::Bit(..) => false,
+                    Part::Step(_)
+                    | Part::Input(_)
+                    | Part::Raised(_)
+                    | Part::Begins(_)
+                    | Part::Bit(..)
+                    | Part::Scan(..) => false,
                     Part::Flag(_)
                     | Part::Event(_)
                     | Part::Output(_)

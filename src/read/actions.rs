@@ -5,7 +5,7 @@ use super::ladder;
 use super::program::{Context, broken};
 use super::scope::Meaning;
 use super::st::{self, Value};
-use super::xml::{self, Node};
+use super::xml::{self, Family, Node};
 use crate::base::iec::fold;
 use crate::base::{Arena, Code, Id};
 use crate::ir::iec::{Action, ActionId, Association, Kind, Number, Qualifier, Sfc, Statement, Target, Time};
@@ -36,6 +36,12 @@ pub fn association(
         }
         _ => return Err(xml::not_understood("an action that is neither named nor inline", action)),
     };
+    // There a body runs once more when its step has been left, and a pulse lasts for two scans.
+    let simple = matches!(qualifier, Qualifier::NonStored | Qualifier::Set | Qualifier::Reset);
+    if cx.family == Family::Codesys && !(simple && matches!(target, Target::Variable(_))) {
+        let what = "an action other than a variable with the qualifier N, S or R, which CODESYS runs otherwise,";
+        return Err(xml::not_understood(what, action));
+    }
     Ok(Association { target, qualifier, duration })
 }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub struct Body<'a> {
     /// The elements.
     pub elements: Vec<Node<'a>>,
-    by_number: BTreeMap<&'a str, usize>,
+    by_number: BTreeMap<u64, usize>,
 }
 
 /// A line into an element.
@@ -30,7 +30,11 @@ impl<'a> Body<'a> {
         let mut by_number = BTreeMap::new();
         for (index, element) in elements.iter().enumerate() {
             let Some(number) = xml::attribute(*element, "localId") else { continue };
-            if by_number.insert(number, index).is_some() {
+            let Ok(value) = number.parse() else {
+                problems.push(xml::problem(Code::NotPlcopen, format!("`{number}` is no number"), *element));
+                continue;
+            };
+            if by_number.insert(value, index).is_some() {
                 let message = format!("two elements of one body have the number {number}");
                 problems.push(xml::problem(Code::Clash, message, *element));
             }
@@ -44,7 +48,7 @@ impl<'a> Body<'a> {
         for point in xml::children_named(node, "connectionPointIn") {
             for connection in xml::children_named(point, "connection") {
                 let number = xml::required(connection, "refLocalId")?;
-                let Some(&from) = self.by_number.get(number) else {
+                let Some(&from) = number.parse().ok().and_then(|n: u64| self.by_number.get(&n)) else {
                     let message = format!("a line comes from element {number}, which the body does not have");
                     return Err(xml::problem(Code::Unconnected, message, connection));
                 };

@@ -17,8 +17,31 @@ enum Type {
     Other(String),
 }
 
+/// Whether that is the name of a type that is understood.
+pub fn is_known(name: &str) -> bool {
+    !matches!(type_named(name), Type::Other(_))
+}
+
+/// The function blocks of that type, if it is understood.
+pub fn block_named(name: &str) -> Option<BlockKind> {
+    match type_named(name) {
+        Type::Block(kind) => Some(kind),
+        Type::Value(_) | Type::Other(_) => None,
+    }
+}
+
+/// What is kept when power is off is not what it is declared to be when power is back.
+fn refuse_kept(list: Node<'_>, problems: &mut Diagnostics) {
+    for flag in ["retain", "persistent"] {
+        if xml::flag(list, flag) {
+            problems.push(xml::not_understood(format!("a list of variables that are `{flag}`"), list));
+        }
+    }
+}
+
 /// Declares the variables of one list.
 pub fn declare(list: Node<'_>, scope: Scope, names: &mut Names, project: &mut Project, problems: &mut Diagnostics) {
+    refuse_kept(list, problems);
     for node in xml::children_named(list, "variable") {
         if let Err(problem) = variable(node, scope, names, project) {
             problems.push(problem);
@@ -53,17 +76,22 @@ fn introduce(name: &str, symbol: Symbol, names: &mut Names, node: Node<'_>) -> R
 }
 
 /// Makes the global variables that a list names as external known in a program.
-pub fn import(list: Node<'_>, globals: &Globals, names: &mut Names, problems: &mut Diagnostics) {
+pub fn import(list: Node<'_>, globals: &Globals, names: &mut Names, project: &Project, problems: &mut Diagnostics) {
+    refuse_kept(list, problems);
     for node in xml::children_named(list, "variable") {
         let found = xml::required(node, "name").and_then(|name| match globals.names.get(&fold(name)) {
             None => {
                 let message = format!("the external variable `{name}` is not declared globally");
                 Err(xml::problem(Code::Undeclared, message, node))
             }
+            Some(_) if xml::child(node, "initialValue").is_some() || xml::attribute(node, "address").is_some() => {
+                Err(xml::not_understood(format!("the value or address of the external variable `{name}`"), node))
+            }
             Some(symbol) => {
                 let same = match (symbol, kind_of(node)?) {
                     (Symbol::Variable(_, kind), Type::Value(other)) => *kind == other,
-                    (Symbol::Block(_), Type::Block(_)) | (Symbol::Other(_), Type::Other(_)) => true,
+                    (Symbol::Block(id), Type::Block(other)) => project.blocks[*id].kind == other,
+                    (Symbol::Other(name), Type::Other(other)) => name.eq_ignore_ascii_case(&other),
                     _ => false,
                 };
                 if !same {
@@ -105,8 +133,12 @@ fn kind_of(variable: Node<'_>) -> Result<Type, Problem> {
         "derived" => xml::required(kind, "name")?,
         other => other,
     };
+    Ok(type_named(name))
+}
+
+fn type_named(name: &str) -> Type {
     let int = |bits, signed| Type::Value(Kind::Int { bits, signed });
-    Ok(match fold(name).as_str() {
+    match fold(name).as_str() {
         "BOOL" => Type::Value(Kind::Bool),
         "TIME" => Type::Value(Kind::Time),
         "SINT" => int(8, true),
@@ -125,7 +157,7 @@ fn kind_of(variable: Node<'_>) -> Result<Type, Problem> {
         "SR" => Type::Block(BlockKind::Sr),
         "RS" => Type::Block(BlockKind::Rs),
         _ => Type::Other(name.to_owned()),
-    })
+    }
 }
 
 fn initial_value(node: Node<'_>, kind: Kind) -> Result<i64, Problem> {
@@ -138,11 +170,12 @@ fn initial_value(node: Node<'_>, kind: Kind) -> Result<i64, Problem> {
         Some(time) => vec![Token::Time(time)],
         None => tokens(value).map_err(|_| broken())?,
     };
-    match (kind, list.as_slice()) {
-        (Kind::Bool, [Token::Bool(b)]) => Ok(i64::from(*b)),
-        (Kind::Bool, [Token::Int(n @ (0 | 1))]) | (Kind::Int { .. }, [Token::Int(n)]) => Ok(*n),
-        (Kind::Int { .. }, [Token::Sign("-"), Token::Int(n)]) => Ok(n.wrapping_neg()),
-        (Kind::Time, [Token::Time(t)]) => Ok(*t),
-        _ => Err(broken()),
-    }
+    let found = match (kind, list.as_slice()) {
+        (Kind::Bool, [Token::Bool(b)]) => i64::from(*b),
+        (Kind::Bool, [Token::Int(n @ (0 | 1))]) | (Kind::Int { .. }, [Token::Int(n)]) => *n,
+        (Kind::Int { .. }, [Token::Sign("-"), Token::Int(n)]) => n.wrapping_neg(),
+        (Kind::Time, [Token::Time(t)]) => *t,
+        _ => return Err(broken()),
+    };
+    if kind.holds(found) { Ok(found) } else { Err(broken()) }
 }

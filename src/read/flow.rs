@@ -4,6 +4,7 @@
 
 use super::Problem;
 use super::body::{Body, Line, describe};
+use super::declarations;
 use super::functions::{self, Function};
 use super::program::{Context, broken};
 use super::st::{self, Binding, Value};
@@ -11,7 +12,7 @@ use super::xml::{self, Family, Node};
 use crate::base::Code;
 use crate::ir::expr::Expr;
 use crate::ir::iec::{Atom, BlockId, Bool, Call, Condition, Statement};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest chain of function blocks that feed each other.
 const CHAIN: usize = 64;
@@ -307,7 +308,12 @@ impl<'b, 'a> Flow<'b, 'a> {
     fn call_new(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
         let name = xml::required(node, "instanceName")?;
         let block = instance(name, node, cx)?;
+        if declarations::block_named(xml::required(node, "typeName")?) != Some(cx.blocks[block].kind) {
+            let message = format!("{}, whose type is not that of its declaration,", describe(node));
+            return Err(xml::not_understood(message, node));
+        }
         let mut call = Call { block, input: None, reset: None, preset: None };
+        let mut seen = BTreeSet::new();
         for variable in pins(node, "inputVariables") {
             let pin = xml::required(variable, "formalParameter")?;
             let point = xml::child(variable, "connectionPointIn");
@@ -317,6 +323,7 @@ impl<'b, 'a> Flow<'b, 'a> {
                 continue;
             }
             let what = st::input(cx.blocks[block].kind, pin);
+            let what = what.filter(|_| seen.insert(pin.to_ascii_uppercase()));
             let what =
                 what.ok_or_else(|| xml::not_understood(format!("pin `{pin}` of {}", describe(node)), variable))?;
             match what {
@@ -479,12 +486,17 @@ fn instance(name: &str, node: Node<'_>, cx: &Context<'_, '_>) -> Result<BlockId,
 
 /// The value of an inVariable.
 pub fn in_variable(node: Node<'_>, cx: &Context<'_, '_>) -> Result<(Value, Binding), Problem> {
-    // Beremiz drops the negation.
-    if xml::flag(node, "negated") {
-        return Err(xml::not_understood(format!("the negation of {}", describe(node)), node));
-    }
+    refuse_modifiers(node)?;
     let text = xml::child(node, "expression").map(xml::text).unwrap_or_default();
     cx.expression(&text, node)
+}
+
+/// Beremiz drops the negation of a value, its edge and its storage.
+pub fn refuse_modifiers(node: Node<'_>) -> Result<(), Problem> {
+    if xml::flag(node, "negated") || given(node, "edge").is_some() || given(node, "storage").is_some() {
+        return Err(xml::not_understood(format!("negation, edge or storage at {}", describe(node)), node));
+    }
+    Ok(())
 }
 
 /// An attribute that may be `none`.

@@ -31,6 +31,14 @@ enum Operand {
     Bool(VarId),
 }
 
+/// The functions that are understood.
+const KNOWN: [&str; 11] = ["ADD", "EQ", "GE", "GT", "LE", "LIMIT", "LT", "MOVE", "NE", "SEL", "SUB"];
+
+/// Whether that is the name of a function that is understood.
+pub fn is_known(name: &str) -> bool {
+    KNOWN.iter().any(|known| name.eq_ignore_ascii_case(known))
+}
+
 /// Whether a box is a function, not an instance of a function block.
 pub fn is_function(node: Node<'_>) -> bool {
     xml::is(node, "block") && xml::attribute(node, "instanceName").is_none()
@@ -130,13 +138,7 @@ pub fn read<'a>(node: Node<'a>, body: &Body<'a>, cx: &Context<'_, '_>) -> Result
 impl Function {
     /// Whether all constants are of that type.
     fn holds(&self, kind: Kind) -> bool {
-        let Kind::Int { bits, signed } = kind else { return false };
-        let (lowest, highest) = match (bits, signed) {
-            (64, _) => (i64::MIN, i64::MAX),
-            (bits, true) => (-1 << (bits - 1), (1 << (bits - 1)) - 1),
-            (bits, false) => (0, (1 << bits) - 1),
-        };
-        self.constants.iter().all(|n| (lowest..=highest).contains(n))
+        matches!(kind, Kind::Int { .. }) && self.constants.iter().all(|&n| kind.holds(n))
     }
 
     /// The statement that assigns the result to the variable that a text at `node` names.

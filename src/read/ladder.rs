@@ -7,7 +7,7 @@
 
 use super::Problem;
 use super::body::{Body, describe};
-use super::flow::{Flow, given};
+use super::flow::{Flow, given, refuse_modifiers};
 use super::program::{Context, broken};
 use super::st::{self, Value};
 use super::xml::{self, Family, Node};
@@ -50,7 +50,29 @@ fn sequence(body: &Body<'_>, cx: &mut Context<'_, '_>) -> Vec<usize> {
         }
     }
     first.sort();
+    refuse_other_order(body, &ends, cx);
     first.into_iter().map(|(_, index)| index).chain(ends).chain(blocks).collect()
+}
+
+/// Rungs run in document order in a Beremiz of today; older ones sort them by place, in rows of ten units.
+fn refuse_other_order(body: &Body<'_>, ends: &[usize], cx: &mut Context<'_, '_>) {
+    let place = |index: usize| {
+        let position = xml::child(body.elements[index], "position")?;
+        let number = |name| xml::attribute(position, name)?.parse::<f64>().ok();
+        Some((number("x")?, number("y")?))
+    };
+    if cx.family == Family::Codesys {
+        return;
+    }
+    for pair in ends.windows(2) {
+        let (Some((x, y)), Some((next_x, next_y))) = (place(pair[0]), place(pair[1])) else { continue };
+        let follows = if (next_y - y).abs() < 10.0 { next_x >= x } else { next_y > y };
+        if !follows {
+            let node = body.elements[pair[1]];
+            let what = format!("{}, which stands above one that comes before it in the file,", describe(node));
+            cx.report(xml::not_understood(what, node));
+        }
+    }
 }
 
 /// Whether a vendor element is the title of a network.
@@ -91,9 +113,7 @@ fn out_variable<'a>(
     let name = xml::child(node, "expression").map(xml::text).unwrap_or_default();
     let path: Vec<&str> = name.trim().split('.').collect();
     let (variable, kind) = st::writable(&path, &cx.scope).map_err(|f| broken(f, &name, node))?;
-    if xml::flag(node, "negated") {
-        return Err(xml::not_understood(format!("the negation of {}", describe(node)), node));
-    }
+    refuse_modifiers(node)?;
     let lines = flow.inputs(node)?;
     match kind {
         Kind::Bool => {

@@ -8,10 +8,13 @@
 //! | module | from | to |
 //! | --- | --- | --- |
 //! | [`xml`] | text | tree of elements |
+//! | [`shape`] | tree of elements | what no two tools read alike |
+//! | [`vendor`] | what vendors add | whether it changes anything |
 //! | [`declarations`] | lists of variables | variables, blocks, names |
 //! | [`body`] | drawn body | elements by number, lines between them |
 //! | [`token`], [`st`] | structured text | tokens, then expressions and statements |
 //! | [`functions`] | boxes of functions | numbers, comparisons |
+//! | [`numbers`] | statements | what is computed alike in all tools |
 //! | [`flow`], [`ladder`] | contacts, blocks, coils | statements |
 //! | [`sfc`], [`order`], [`actions`] | steps and lines between them | chart |
 //!
@@ -24,12 +27,15 @@ mod flow;
 mod functions;
 mod ladder;
 mod literal;
+mod numbers;
 mod order;
 mod program;
 mod scope;
 mod sfc;
+mod shape;
 mod st;
 mod token;
+mod vendor;
 mod xml;
 
 use crate::base::iec::fold;
@@ -63,10 +69,12 @@ pub fn read(text: &str) -> (Option<Project>, Diagnostics) {
 fn read_project(root: Node<'_>, family: Family, project: &mut Project, problems: &mut Diagnostics) {
     let header = xml::child(root, "contentHeader");
     project.name = header.and_then(|n| xml::attribute(n, "name")).unwrap_or_default().to_owned();
+    shape::check(root, family, problems);
+    let file = File { root, family };
     declarations::clashing_addresses(root, problems);
-    let globals = read_globals(root, project, problems);
-    let types = read_types(root, problems);
-    for instance in instances(root, &types, project, problems) {
+    let globals = read_globals(file, project, problems);
+    let types = read_types(file, problems);
+    for instance in instances(file, &types, project, problems) {
         let body = read_program(&instance, family, &globals, project, problems);
         let Instance { name, task, pou } = instance;
         let kind = xml::attribute(pou, "name").unwrap_or_default().to_owned();
@@ -74,10 +82,47 @@ fn read_project(root: Node<'_>, family: Family, project: &mut Project, problems:
     }
 }
 
-/// The global variables, in configurations, resources and vendor data alike.
-fn read_globals(root: Node<'_>, project: &mut Project, problems: &mut Diagnostics) -> Globals {
+/// A whole file.
+#[derive(Clone, Copy)]
+struct File<'a> {
+    root: Node<'a>,
+    family: Family,
+}
+
+impl<'a> File<'a> {
+    /// The elements of that name that tools of the family find: directly within one of `parents`, or as
+    /// CODESYS has it, within vendor data.
+    fn find(self, name: &str, parents: &[&str], problems: &mut Diagnostics) -> Vec<Node<'a>> {
+        let mut found = Vec::new();
+        let mut open = vec![self.root];
+        while let Some(node) = open.pop() {
+            let parent = node.parent().filter(|n| n.is_element());
+            if xml::is(node, name) {
+                match parent.map(|p| p.tag_name().name()) {
+                    Some("data") => found.push(node),
+                    Some(parent) if parents.contains(&parent) => found.push(node),
+                    _ => problems.push(xml::not_understood(format!("`{name}` at this place"), node)),
+                }
+            }
+            let namespace = self.root.tag_name().namespace();
+            let inner = xml::children(node).filter(|n| {
+                n.tag_name().namespace() == namespace && (self.family == Family::Codesys || !xml::is(*n, "addData"))
+            });
+            let first = open.len();
+            open.extend(inner);
+            open[first..].reverse();
+        }
+        found
+    }
+}
+
+/// The global variables, in configurations, resources and vendor data of CODESYS.
+fn read_globals(file: File<'_>, project: &mut Project, problems: &mut Diagnostics) -> Globals {
     let mut globals = Globals::default();
-    for list in xml::descendants(root, "globalVars") {
+    for list in file.find("configVars", &["configuration"], problems) {
+        problems.push(xml::not_understood("variables that a configuration gives addresses or values", list));
+    }
+    for list in file.find("globalVars", &["configuration", "resource", "interface"], problems) {
         if list.parent().is_some_and(|n| xml::is(n, "interface")) {
             problems.push(xml::not_understood("a program with global variables of its own", list));
             continue;
@@ -89,15 +134,27 @@ fn read_globals(root: Node<'_>, project: &mut Project, problems: &mut Diagnostic
 }
 
 /// The program organisation units by folded name, wherever they stand.
-fn read_types<'a>(root: Node<'a>, problems: &mut Diagnostics) -> BTreeMap<String, Node<'a>> {
+fn read_types<'a>(file: File<'a>, problems: &mut Diagnostics) -> BTreeMap<String, Node<'a>> {
     let mut types = BTreeMap::new();
-    for pou in xml::descendants(root, "pou") {
+    for kind in file.find("dataType", &["dataTypes"], problems) {
+        refuse_standard_name(kind, problems);
+    }
+    for pou in file.find("pou", &["pous"], problems) {
         let Some(name) = xml::attribute(pou, "name") else { continue };
+        refuse_standard_name(pou, problems);
         if types.insert(fold(name), pou).is_some() {
             problems.push(xml::problem(Code::Clash, format!("two programs have the name `{name}`"), pou));
         }
     }
     types
+}
+
+/// What a file declares anew is not what the standard says of that name.
+fn refuse_standard_name(node: Node<'_>, problems: &mut Diagnostics) {
+    let name = xml::attribute(node, "name").unwrap_or_default();
+    if declarations::is_known(name) || functions::is_known(name) {
+        problems.push(xml::not_understood(format!("a `{name}` other than that of the standard"), node));
+    }
 }
 
 /// A program that runs.
@@ -110,17 +167,28 @@ struct Instance<'a> {
 /// The programs that run, in the order in which they do: task by task, then those without a task.
 /// Where nothing runs, the file was exported without tasks, and all programs run as they stand.
 fn instances<'a>(
-    root: Node<'a>,
+    file: File<'a>,
     types: &BTreeMap<String, Node<'a>>,
     project: &mut Project,
     problems: &mut Diagnostics,
 ) -> Vec<Instance<'a>> {
     let mut list = Vec::new();
-    let resources: Vec<_> = xml::descendants(root, "resource").filter(|r| xml::child(*r, "task").is_some()).collect();
-    if let [_, second, ..] = resources[..] {
-        problems.push(xml::not_understood("a second resource with tasks", second));
+    let resources = file.find("resource", &["configuration"], problems);
+    let several: Vec<_> = match file.family {
+        Family::Beremiz => resources.clone(),
+        Family::Codesys => resources.iter().copied().filter(|r| xml::child(*r, "task").is_some()).collect(),
+    };
+    if let [_, second, ..] = several[..] {
+        problems.push(xml::not_understood("a second resource", second));
     }
-    for task in xml::descendants(root, "task") {
+    if let [_, second, ..] = file.find("configuration", &["configurations"], problems)[..] {
+        problems.push(xml::not_understood("a second configuration", second));
+    }
+    for task in file.find("task", &["resource"], problems) {
+        // Tasks of CODESYS interrupt each other.
+        if file.family == Family::Codesys && !list.is_empty() && xml::child(task, "pouInstance").is_some() {
+            problems.push(xml::not_understood("a second task with programs", task));
+        }
         match read_task(task) {
             Ok(read) => {
                 let id = project.tasks.push(read);
@@ -129,8 +197,13 @@ fn instances<'a>(
             Err(problem) => problems.push(problem),
         }
     }
-    for resource in xml::descendants(root, "resource") {
-        list.extend(xml::children_named(resource, "pouInstance").map(|n| (n, None)));
+    for resource in resources {
+        for instance in xml::children_named(resource, "pouInstance") {
+            if file.family == Family::Codesys {
+                problems.push(xml::not_understood("a program without a task", instance));
+            }
+            list.push((instance, None));
+        }
     }
     let programs = types.values().filter(|n| xml::attribute(**n, "pouType") == Some("program"));
     if list.is_empty() {
@@ -142,7 +215,7 @@ fn instances<'a>(
     let mut names = BTreeMap::new();
     let mut instances = Vec::new();
     for (node, task) in list {
-        match read_instance(node, task, types) {
+        match read_instance(node, task, types, file.family) {
             Ok(instance) => {
                 if names.insert(fold(&instance.name), ()).is_some() {
                     let message = format!("two instances have the name `{}`", instance.name);
@@ -165,6 +238,9 @@ fn read_task(node: Node<'_>) -> Result<Task, Problem> {
         return Err(xml::not_understood(format!("task `{name}` without an interval"), node));
     };
     match literal::interval(text) {
+        Some(interval) if interval > 0 && !vendor::settings_agree(node, interval) => {
+            Err(xml::not_understood(format!("task `{name}`, whose vendor settings say something else,"), node))
+        }
         Some(interval) if interval > 0 => Ok(Task { name, interval }),
         _ => Err(xml::problem(Code::BrokenText, format!("`{text}` is no interval of a task"), node)),
     }
@@ -174,10 +250,14 @@ fn read_instance<'a>(
     node: Node<'a>,
     task: Option<TaskId>,
     types: &BTreeMap<String, Node<'a>>,
+    family: Family,
 ) -> Result<Instance<'a>, Problem> {
     let name = xml::required(node, "name")?;
     // CODESYS leaves it empty: an instance is its program.
     let kind = xml::attribute(node, "typeName").unwrap_or(name);
+    if family == Family::Codesys && !kind.eq_ignore_ascii_case(name) {
+        return Err(xml::not_understood(format!("`{name}`, an instance of `{kind}` under another name,"), node));
+    }
     match types.get(&fold(kind)) {
         Some(&pou) if xml::attribute(pou, "pouType") == Some("program") => {
             Ok(Instance { name: name.to_owned(), task, pou })
@@ -202,7 +282,7 @@ fn read_program(
             "localVars" | "inputVars" | "outputVars" => {
                 declarations::declare(list, place, &mut locals, project, problems);
             }
-            "externalVars" => declarations::import(list, globals, &mut locals, problems),
+            "externalVars" => declarations::import(list, globals, &mut locals, project, problems),
             "documentation" | "addData" => {}
             other => problems.push(xml::not_understood(format!("`{other}` of a program"), list)),
         }
@@ -211,13 +291,21 @@ fn read_program(
     let scope = Scope { locals, globals: visible, steps: BTreeMap::new() };
     let Project { variables, blocks, .. } = project;
     let mut context = Context { family, scope, place, variables, blocks, problems };
-    let Some(body) = xml::child(instance.pou, "body") else {
-        context.report(xml::problem(Code::Unconnected, "a program has no body", instance.pou));
+    let body = read_body(instance.pou, &mut context);
+    if let Some(what) = numbers::objection(&body, context.variables) {
+        context.report(xml::not_understood(format!("{what}, in this program,"), instance.pou));
+    }
+    body
+}
+
+fn read_body(pou: Node<'_>, context: &mut Context<'_, '_>) -> Body {
+    let Some(body) = xml::child(pou, "body") else {
+        context.report(xml::problem(Code::Unconnected, "a program has no body", pou));
         return Body::Code(Vec::new());
     };
     match xml::child(body, "SFC") {
-        Some(content) => Body::Sfc(sfc::read(instance.pou, content, &mut context)),
-        None => match actions::statements(body, &mut context) {
+        Some(content) => Body::Sfc(sfc::read(pou, content, context)),
+        None => match actions::statements(body, context) {
             Ok(statements) => Body::Code(statements),
             Err(problem) => {
                 context.report(problem);

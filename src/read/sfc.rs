@@ -6,7 +6,7 @@
 //! so without a word, so in its files it is refused.
 //!
 //! Transitions of CODESYS files have no priorities; branches are tried from left to right, which is
-//! document order, so that becomes their priority.
+//! document order, so that becomes their priority; priorities that say otherwise are refused.
 
 use super::Problem;
 use super::actions;
@@ -16,23 +16,13 @@ use super::ladder;
 use super::order::{self, Drawing, Element, Order};
 use super::program::{Context, broken};
 use super::st;
+use super::vendor;
 use super::xml::{self, Family, Node};
 use crate::base::iec::fold;
 use crate::base::{Code, Id};
 use crate::ir::iec::{Association, Condition, Qualifier, Sfc, Statement, Step, StepId, Target, Transition};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Names of the vendor attributes that change what a step does.
-const VENDOR: [(&str, &str); 5] = [
-    ("700a583f-b4d4-43e4-8c14-629c7cd3bec8", "the main action"),
-    ("a6b08bd8-b696-47e3-9cbf-7408b61c9ff8", "the entry action"),
-    ("a2621e18-7de3-4ea6-ae6d-89e9e0b7befd", "the exit action"),
-    ("cacf1a68-236e-47c2-b7b1-1cf9199718cb", "the minimal time"),
-    ("b693554c-1b01-4a8d-afde-9e3a46f7465d", "the maximal time"),
-];
-/// The vendor attribute of elements that are not executed.
-const EXCLUDED: &str = "01580b27-6378-448b-8ecb-0e4b795b58d6";
 
 /// Most lines that are followed in one body, each as often as something lies behind it.
 const LINES: usize = 2_000_000;
@@ -57,6 +47,9 @@ pub fn read(pou: Node<'_>, content: Node<'_>, cx: &mut Context<'_, '_>) -> Sfc {
     let parts = Parts::new(&body, cx);
     refuse_flags(pou, cx);
     let drawing = parts.drawing(cx);
+    if cx.family == Family::Codesys {
+        parts.compare_orders(&drawing, cx);
+    }
     let order = order::order(&drawing);
     if order.first.is_none() {
         cx.report(xml::problem(Code::Unconnected, "an SFC has no initial step", content));
@@ -148,7 +141,7 @@ impl<'a> Parts<'a> {
                     continue;
                 }
             }
-            refuse_vendor_attributes(node, cx);
+            vendor::refuse_attributes(node, body, cx);
         }
         parts
     }
@@ -305,16 +298,31 @@ impl<'a> Parts<'a> {
 
     fn priority(&self, transition: usize, cx: &mut Context<'_, '_>) -> Option<u32> {
         let node = self.transition_nodes[transition];
-        match (xml::attribute(node, "priority"), cx.family) {
-            (Some(text), _) => {
-                let number = text.parse().ok();
-                if number.is_none() {
-                    cx.report(xml::problem(Code::BrokenText, format!("`{text}` is no priority"), node));
+        let written = xml::attribute(node, "priority").map(|text| {
+            text.parse().unwrap_or_else(|_| {
+                cx.report(xml::problem(Code::BrokenText, format!("`{text}` is no priority"), node));
+                0
+            })
+        });
+        match cx.family {
+            Family::Beremiz => written,
+            Family::Codesys => u32::try_from(transition).ok(),
+        }
+    }
+
+    /// Refuses priorities that say something else than the order from left to right.
+    fn compare_orders(&self, drawing: &Drawing, cx: &mut Context<'_, '_>) {
+        let mut last: Vec<Option<u32>> = vec![None; self.step_nodes.len()];
+        for (&node, before) in self.transition_nodes.iter().zip(&drawing.before) {
+            let priority = xml::attribute(node, "priority").and_then(|text| text.parse::<u32>().ok());
+            for &step in before {
+                if let (Some(last), Some(priority)) = (last[step], priority)
+                    && priority <= last
+                {
+                    cx.report(xml::not_understood("a priority that contradicts the order from left to right", node));
                 }
-                number
+                last[step] = priority.or(last[step]);
             }
-            (None, Family::Beremiz) => None,
-            (None, Family::Codesys) => u32::try_from(transition).ok(),
         }
     }
 
@@ -345,7 +353,7 @@ impl<'a> Parts<'a> {
             // A block without a step has been reported.
             let Some(step) = self.owner(node).ok().and_then(|s| ids[s]) else { continue };
             for action in xml::children_named(node, "action") {
-                refuse_vendor_attributes(action, cx);
+                vendor::refuse_attributes(action, self.body, cx);
                 match actions::association(pou, action, &sfc.steps[step].name.clone(), sfc, &mut known, cx) {
                     Ok(association) => sfc.steps[step].associations.push(association),
                     Err(problem) => cx.report(problem),
@@ -394,7 +402,11 @@ fn condition<'a>(
             let name = xml::required(content, "name")?;
             let list = xml::child(pou, "transitions").into_iter();
             let mut list = list.flat_map(|n| xml::children_named(n, "transition"));
-            let found = list.find(|n| xml::attribute(*n, "name").is_some_and(|n| n.eq_ignore_ascii_case(name)));
+            let mut called = |n: &Node<'a>| xml::attribute(*n, "name").is_some_and(|n| n.eq_ignore_ascii_case(name));
+            let found = list.find(&mut called);
+            if let Some(second) = list.find(&mut called) {
+                return Err(xml::problem(Code::Clash, format!("two transitions have the name `{name}`"), second));
+            }
             let Some(found) = found else {
                 // CODESYS names a variable here where it has no such body.
                 let value = cx.expression(name, content)?.0;
@@ -416,18 +428,6 @@ fn condition<'a>(
             }
         }
         _ => Err(xml::not_understood(describe(content), content)),
-    }
-}
-
-/// Refuses what CODESYS keeps in vendor data and what changes the meaning.
-fn refuse_vendor_attributes(node: Node<'_>, cx: &mut Context<'_, '_>) {
-    for (guid, what) in VENDOR {
-        if xml::is(node, "step") && xml::vendor_attribute(node, guid).is_some() {
-            cx.report(xml::not_understood(format!("{what} of {}", describe(node)), node));
-        }
-    }
-    if xml::vendor_attribute(node, EXCLUDED).is_some_and(|v| v.eq_ignore_ascii_case("TRUE")) {
-        cx.report(xml::not_understood(format!("{}, excluded from execution,", describe(node)), node));
     }
 }
 

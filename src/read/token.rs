@@ -30,7 +30,11 @@ pub fn tokens(text: &str) -> Result<Vec<Token>, String> {
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
         let length = if let Some(after) = rest.strip_prefix("(*") {
-            4 + after.find("*)").ok_or("a comment is not closed")?
+            let end = after.find("*)").ok_or("a comment is not closed")?;
+            if after[..end].contains("(*") {
+                return Err("a comment stands within a comment, where tools disagree".to_owned());
+            }
+            4 + end
         } else if rest.starts_with("//") {
             rest.find('\n').unwrap_or(rest.len())
         } else if first.is_ascii_alphabetic() || first == '_' {
@@ -125,7 +129,7 @@ mod tests {
             ]
         );
         assert_eq!(tokens("x>=T#-1s").unwrap(), [w("x"), Sign(">="), Time(-1_000_000)]);
-        for bad in ["(* a", "%IX0.0", "'a'", "T#", "T#x", "REAL#1", "1.5", "a$", "é", "BOOL#2"] {
+        for bad in ["(* a", "(* (* a *) b *)", "%IX0.0", "'a'", "T#", "T#x", "REAL#1", "1.5", "a$", "é", "BOOL#2"] {
             assert!(tokens(bad).is_err(), "{bad}");
         }
     }

@@ -119,11 +119,3 @@ pub fn flag(node: Node<'_>, name: &str) -> bool {
 pub fn text(node: Node<'_>) -> String {
     node.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect()
 }
-
-/// The value of a vendor attribute of an SFC element.
-pub fn vendor_attribute(node: Node<'_>, guid: &str) -> Option<String> {
-    let data = child(node, "addData")?;
-    let found = descendants(data, "attribute").find(|n| attribute(*n, "guid") == Some(guid))?;
-    let value = text(found);
-    (!value.trim().is_empty()).then(|| value.trim().to_owned())
-}

@@ -166,7 +166,8 @@ impl Resolver {
                 Expr::FALSE
             }
             (Symbol::Integer(_), _) => self.neither_nor(path),
-            (Symbol::Bit(_), _) => self.hidden(path),
+            (Symbol::Count(_), Context::Plant | Context::Expectation) => self.neither_nor(path),
+            (Symbol::Bit(_) | Symbol::Count(_), _) => self.hidden(path),
             (Symbol::Output(_), Context::Assumption) => {
                 self.bad_assumption(path.span(), &format!("`{name}` is what the program decides in this scan"));
                 Expr::FALSE
@@ -193,7 +194,8 @@ impl Resolver {
             (Symbol::Input(id), _) => Expr::Atom(Atom::PrevInput(id)),
             (Symbol::Output(id), _) => Expr::Atom(Atom::PrevOutput(id)),
             (Symbol::Variable(_) | Symbol::Integer(_) | Symbol::Event(_), _) => self.no_past(path, symbol),
-            (Symbol::Bit(_), _) => self.hidden(path),
+            (Symbol::Count(_), Context::Plant | Context::Expectation) => self.no_past(path, symbol),
+            (Symbol::Bit(_) | Symbol::Count(_), _) => self.hidden(path),
         }
     }
 
@@ -206,7 +208,8 @@ impl Resolver {
                 Symbol::Output(id),
                 Context::Constraint | Context::Plant | Context::Expectation | Context::Guard { phase: Phase::End, .. },
             ) => (Atom::Output(id), Atom::PrevOutput(id)),
-            (Symbol::Bit(_), _) => return self.hidden(path),
+            (Symbol::Count(_), Context::Plant | Context::Expectation) => return self.no_past(path, symbol),
+            (Symbol::Bit(_) | Symbol::Count(_), _) => return self.hidden(path),
             (Symbol::Output(_), _) => return self.value(path, context),
             (Symbol::Variable(_) | Symbol::Integer(_) | Symbol::Event(_), _) => return self.no_past(path, symbol),
         };
@@ -326,6 +329,7 @@ impl Resolver {
         let name = &path.parts[0].0;
         let help = match symbol {
             Symbol::Event(_) => format!("`{name}` is TRUE for one scan only: write `{name}` itself"),
+            Symbol::Count(_) => "a hidden bit can keep what is worth remembering".to_owned(),
             _ => format!("guards read `{name}` as it was before the step anyway"),
         };
         self.misplaced(

@@ -6,12 +6,29 @@ use super::expressions::Context;
 use super::names::Symbol;
 use crate::base::{Code, Diagnostic, Span, limits};
 use crate::ir::ast::{Name, VariableKind};
-use crate::ir::chart::{Assignment, Atom, Guard, IntegerId};
+use crate::ir::chart::{Assignment, Atom, Guard, IntegerId, Machine};
 use crate::ir::expr::Expr;
 use crate::ir::number::{Comparison, Number, Range};
 
 /// What has been reported already.
-struct Reported;
+pub struct Reported;
+
+/// Which integers an expression may name.
+pub struct Named<A> {
+    /// What a symbol is there, if it may be named.
+    pub find: fn(Symbol) -> Option<A>,
+    /// What it can be.
+    pub range: fn(&Machine, &A) -> Range,
+    /// In words.
+    pub wanted: &'static str,
+}
+
+/// The integers of the program.
+const PROGRAM: Named<IntegerId> = Named {
+    find: |symbol| if let Symbol::Integer(id) = symbol { Some(id) } else { None },
+    range: |machine, &i| machine.integers[i].range,
+    wanted: "an integer",
+};
 
 impl Resolver {
     /// The range of an integer and its initial value: 0 or the bound next to it if none is given.
@@ -47,7 +64,7 @@ impl Resolver {
 
     /// Resolves `set N := …`.
     pub fn assignment(&mut self, name: &Name, value: &Number<Name>, span: Span) -> Option<Assignment> {
-        let value = self.number(value, span);
+        let value = self.number(value, span, &PROGRAM);
         let integer = match self.symbol(&name.text) {
             Some(Symbol::Integer(id)) => id,
             Some(Symbol::Variable(_)) => {
@@ -65,18 +82,23 @@ impl Resolver {
         };
         let (value, found) = value.ok()?;
         let declared = &self.machine.integers[integer];
-        let Range { lowest, highest } = declared.range;
+        self.within(&name.text, declared.range, declared.span, found, span);
+        Some(Assignment { integer, value, span })
+    }
+
+    /// Reports a value that is never within the range of what it is given to.
+    pub fn within(&mut self, name: &str, range: Range, declared: Span, found: Range, span: Span) {
+        let Range { lowest, highest } = range;
         if found.highest < lowest || found.lowest > highest {
             self.diagnostics.push(
                 Diagnostic::new(
                     Code::NeverInRange,
-                    format!("this always lies outside the range of `{}`, {lowest}..{highest}", declared.name),
+                    format!("this always lies outside the range of `{name}`, {lowest}..{highest}"),
                 )
                 .label(span, if found.lowest > highest { "too large" } else { "too small" })
-                .label(declared.span, "declared here"),
+                .label(declared, "declared here"),
             );
         }
-        Some(Assignment { integer, value, span })
     }
 
     /// Reports `set N` and `reset N` of an integer; says whether it is one.
@@ -108,8 +130,16 @@ impl Resolver {
             | Context::Assumption
             | Context::Expectation => {}
         }
-        let (left, right) = (self.number(&written.left, span), self.number(&written.right, span));
-        let (Ok((left, of_left)), Ok((right, of_right))) = (left, right) else { return Expr::FALSE };
+        let Some(comparison) = self.comparison(written, span, &PROGRAM) else { return Expr::FALSE };
+        let all = &mut self.machine.comparisons;
+        let id = *self.comparisons.entry(comparison.clone()).or_insert_with(|| all.push(comparison));
+        Expr::Atom(Atom::Compare(id))
+    }
+
+    /// Resolves both sides of a comparison, and reports one that the ranges decide.
+    pub fn comparison<A>(&mut self, written: &Comparison<Name>, span: Span, named: &Named<A>) -> Option<Comparison<A>> {
+        let (left, right) = (self.number(&written.left, span, named), self.number(&written.right, span, named));
+        let (Ok((left, of_left)), Ok((right, of_right))) = (left, right) else { return None };
         if let Some(value) = written.relation.decided(of_left, of_right) {
             let word = if value { "TRUE" } else { "FALSE" };
             let show = |r: Range| {
@@ -121,20 +151,22 @@ impl Resolver {
                     .help("compare with a value within the range, or change the range"),
             );
         }
-        let comparison = Comparison { left, relation: written.relation, right };
-        let all = &mut self.machine.comparisons;
-        let id = *self.comparisons.entry(comparison.clone()).or_insert_with(|| all.push(comparison));
-        Expr::Atom(Atom::Compare(id))
+        Some(Comparison { left, relation: written.relation, right })
     }
 
     /// Resolves an expression that stands at `span`, and says what it can be.
-    fn number(&mut self, written: &Number<Name>, span: Span) -> Result<(Number<IntegerId>, Range), Reported> {
-        let number = written.try_map(&mut |name| match self.symbol(&name.text) {
-            Some(Symbol::Integer(id)) => Ok(Number::Value(id)),
-            other => {
-                self.wrong_symbol(name, other, "an integer");
-                Err(Reported)
-            }
+    pub fn number<A>(
+        &mut self,
+        written: &Number<Name>,
+        span: Span,
+        named: &Named<A>,
+    ) -> Result<(Number<A>, Range), Reported> {
+        let number = written.try_map(&mut |name| {
+            let symbol = self.symbol(&name.text);
+            symbol.and_then(named.find).map(Number::Value).ok_or_else(|| {
+                self.wrong_symbol(name, symbol, named.wanted);
+                Reported
+            })
         })?;
         if number.size() > limits::OPERANDS {
             self.diagnostics.push(
@@ -144,7 +176,7 @@ impl Resolver {
             );
             return Err(Reported);
         }
-        let Some(range) = number.range(&|&i| self.machine.integers[i].range) else {
+        let Some(range) = number.range(&|a| (named.range)(&self.machine, a)) else {
             self.diagnostics.push(
                 Diagnostic::new(Code::LeavesInt, "a part of this expression can leave the type INT, -32768 to 32767")
                     .label(span, "too large or too small for some values")

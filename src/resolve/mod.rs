@@ -14,7 +14,7 @@
 //! 5. [`transitions`]: transitions and what they do
 //! 6. [`behaviour`]: what states drive, set and reset
 //! 7. [`safety`]: constraints and assumptions, split into products
-//! 8. [`plant`]: actuators that travel, rules for other inputs
+//! 8. [`plant`]: actuators that travel, rules for other inputs; [`hidden`] holds what may happen
 //! 9. [`properties`]: what is said of all runs
 //! 10. [`scenarios`]: tests of the machine, times in scans
 
@@ -22,6 +22,7 @@ mod actuators;
 mod behaviour;
 mod expressions;
 mod functions;
+mod hidden;
 mod integers;
 mod names;
 mod plant;

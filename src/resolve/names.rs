@@ -2,7 +2,7 @@
 
 use super::Resolver;
 use crate::base::{Code, Diagnostic, Span, iec, limits};
-use crate::ir::scenario::BitId;
+use crate::ir::scenario::{BitId, CountId};
 use crate::ir::{ast, chart};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -16,6 +16,7 @@ pub enum Symbol {
     Event(chart::EventId),
     Integer(chart::IntegerId),
     Bit(BitId),
+    Count(CountId),
 }
 
 /// The tables, by folded name. They are only looked up, never walked, so that no order of hashing
@@ -476,6 +477,7 @@ pub fn kind(symbol: Symbol) -> &'static str {
         Symbol::Event(_) => "an event",
         Symbol::Integer(_) => "an integer",
         Symbol::Bit(_) => "a hidden bit of the plant",
+        Symbol::Count(_) => "a hidden integer of the plant",
     }
 }
 

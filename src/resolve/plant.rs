@@ -2,6 +2,7 @@
 
 use super::Resolver;
 use super::expressions::Context;
+use super::names::Symbol;
 use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, Change, Doing, Technology};
 use crate::ir::chart::{ActuatorId, Atom, Guard, InputId};
@@ -9,12 +10,15 @@ use crate::ir::expr::Expr;
 use crate::ir::scenario::{Given, Rule, Sensor, Travel, Valve};
 
 pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
+    let by_steps = tree.plants.iter().any(|p| p.by_steps.is_some() || !p.steps.is_empty());
+    r.machine.plant.by_steps = by_steps;
     // For each input, the actuator whose sensor it is.
     let mut sensed: Vec<Option<Span>> = vec![None; r.machine.inputs.len()];
     for written in tree.plants.iter().flat_map(|p| &p.travels) {
         let valve = |id: ActuatorId| tree.actuators[id.index()].valve;
         travel(r, written, &valve, &mut sensed);
     }
+    tree.plants.iter().flat_map(|p| &p.steps).for_each(|written| r.happening(written));
     for written in tree.plants.iter().flat_map(|p| &p.rules) {
         rule(r, written, &sensed);
     }
@@ -36,6 +40,14 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
                 let place = r.place(actuator, position);
                 r.machine.plant.places.extend(place);
             }
+            Doing::Any(names) => {
+                for name in names {
+                    match r.symbol(&name.text) {
+                        Some(Symbol::Bit(bit)) => r.machine.plant.unknown.push(bit),
+                        other => r.wrong_symbol(name, other, "a hidden bit"),
+                    }
+                }
+            }
             Doing::Press(..)
             | Doing::Force(..)
             | Doing::Release(..)
@@ -43,7 +55,7 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             | Doing::Until(..)
             | Doing::Expect(..)
             | Doing::Watch(..)
-            | Doing::Repeat(..) => unreachable!("the grammar takes only `set`, `reset` and `place` here"),
+            | Doing::Repeat(..) => unreachable!("the grammar takes only `set`, `reset`, `any` and `place` here"),
         }
     }
 }
@@ -97,7 +109,12 @@ fn travel(
 }
 
 fn power(r: &mut Resolver, written: &ast::Travel) -> crate::ir::scenario::Condition {
-    written.power.as_ref().map_or(Expr::TRUE, |g| r.condition(g, &Context::Plant))
+    let Some(guard) = &written.power else { return Expr::TRUE };
+    let power = r.condition(guard, &Context::Plant);
+    if r.machine.plant.by_steps {
+        r.timeless(&power, guard.span);
+    }
+    power
 }
 
 /// The sensors of an actuator's positions; reports those that say more than where it is.

@@ -18,10 +18,12 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
         } else {
             names.insert(name, written.name.span);
         }
+        let after = written.after.as_ref().map(|after| r.condition(after, &Context::Expectation));
         let condition = r.condition(&written.condition, &Context::Expectation);
         r.machine.properties.push(Property {
             name: written.name.text.clone(),
             kind: written.kind,
+            after,
             condition,
             text: describe(&written.text),
             span: written.name.span,

@@ -49,6 +49,7 @@ fn step(r: &mut Resolver, written: &ast::Step, gives: &[bool], ran: &mut bool) -
             *ran = false;
             Doing::Set(free(r, names, gives).into_iter().map(|g| (g, *value)).collect())
         }
+        ast::Doing::Any(_) => unreachable!("the grammar takes `any` only where a plant begins"),
         ast::Doing::Press(names, time) => {
             *ran = true;
             let scans = time.map_or(1, |t| r.scans(&t, 1));

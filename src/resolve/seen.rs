@@ -31,6 +31,11 @@ impl Resolver {
             Term::Acts(path) if matches!(context, Context::Expectation) => self.acts(path),
             Term::First(path) if matches!(context, Context::Expectation) => self.first(path),
             Term::Blocked(span) if matches!(context, Context::Expectation) => self.blocked(*span),
+            Term::Compare(comparison, span)
+                if matches!(context, Context::Plant | Context::Expectation) && self.compares_hidden(comparison) =>
+            {
+                self.compare_hidden(comparison, *span, context)
+            }
             Term::Value(_)
             | Term::Compare(..)
             | Term::Prev(_)

@@ -2,7 +2,7 @@
 
 use super::Resolver;
 use super::names::{Symbol, describe};
-use crate::base::{Code, Diagnostic, Span};
+use crate::base::{Code, Diagnostic, Span, iec};
 use crate::ir::{ast, chart, scenario};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -50,8 +50,15 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     for hidden in tree.plants.iter().flat_map(|p| &p.hidden) {
         let (name, span) = (hidden.name.text.clone(), hidden.name.span);
         let description = describe(&hidden.description);
-        let id = r.machine.plant.bits.push(scenario::Bit { name, description, span });
-        r.declare_symbol(&hidden.name, Symbol::Bit(id));
+        let symbol = match &hidden.integer {
+            None => Symbol::Bit(r.machine.plant.bits.push(scenario::Bit { name, description, span })),
+            Some(kind) => {
+                let (range, initial) = r.range(kind);
+                let count = scenario::Count { name, range, initial, description, span };
+                Symbol::Count(r.machine.plant.counts.push(count))
+            }
+        };
+        r.declare_symbol(&hidden.name, symbol);
     }
 }
 
@@ -63,7 +70,7 @@ fn address(
     taken: &mut HashMap<String, (String, Span)>,
 ) -> Option<String> {
     let written = signal.address.as_ref()?;
-    let Some(address) = normal_form(&written.text, area) else {
+    let Some(address) = iec::bit_address(&written.text, area) else {
         let kind = if area == 'I' { "an input" } else { "an output" };
         r.diagnostics.push(
             Diagnostic::new(Code::BadAddress, format!("`{}` is no address of {kind}", written.text))
@@ -89,18 +96,4 @@ fn address(
         }
     }
     Some(address)
-}
-
-/// Upper case, without leading zeros; one to four numbers below 65,536.
-fn normal_form(address: &str, area: char) -> Option<String> {
-    let upper = address.to_ascii_uppercase();
-    let numbers = upper.strip_prefix(&format!("%{area}X"))?;
-    let parts: Vec<String> = numbers
-        .split('.')
-        .map(|n| {
-            let digits = !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
-            digits.then(|| n.parse::<u16>().ok()).flatten().map(|n| n.to_string())
-        })
-        .collect::<Option<_>>()?;
-    (parts.len() <= 4).then(|| format!("%{area}X{}", parts.join(".")))
 }

@@ -34,7 +34,8 @@ mod steps;
 mod ways;
 
 use crate::ir::chart::{
-    ChartKind, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId, VariableId,
+    ChartKind, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, ScanNumber, StateId, TransitionId,
+    VariableId,
 };
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
@@ -330,6 +331,11 @@ impl Chart {
     /// What the filter remembers after the last scan.
     pub fn mark(&self, mark: Mark) -> bool {
         self.filter.mark(mark)
+    }
+
+    /// A number that a filter with a reset keeps after the last scan.
+    pub fn scan_number(&self, number: ScanNumber) -> u32 {
+        self.filter.scan_number(number)
     }
 
     /// Whether the assumption of that index was broken in the last scan.

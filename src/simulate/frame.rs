@@ -3,8 +3,7 @@
 use crate::ir::chart::{
     Atom, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, StateKind, VariableId,
 };
-use crate::ir::number::{Number, Relation};
-use crate::ir::scenario::{BitId, Condition, Given, Seen};
+use crate::ir::scenario::{BitId, Condition, CountId, Counted, Given, Seen};
 use std::ops::Range;
 
 /// Where each value stands in a [`Frame`].
@@ -19,16 +18,22 @@ pub struct Layout {
     broken: usize,
     marks: usize,
     integers: usize,
+    counts: usize,
+    first_scan: usize,
     len: usize,
 }
 
 /// The values of one scan, in the order of [`Layout`]: inputs, hidden bits, outputs, variables, events,
-/// states, alarms of constraints, alarms of assumptions, what the filter remembers, and each integer as the
-/// [`WIDTH`] bits of its two's complement, the lowest first.
+/// states, alarms of constraints, alarms of assumptions, what the filter remembers, each integer, hidden ones last, as the
+/// [`WIDTH`] bits of its two's complement, the lowest first, and the [`SCAN_WIDTH`] bits of the number of the scan in which
+/// began what the filter notes.
 pub type Frame = Vec<bool>;
 
 /// How many places an integer takes: those of an INT.
 pub const WIDTH: usize = 16;
+
+/// How many places the number of a scan takes: those of a UDINT.
+pub const SCAN_WIDTH: usize = 32;
 
 impl Layout {
     /// The layout for `machine`.
@@ -42,8 +47,10 @@ impl Layout {
         let broken = acted + machine.safety.constraints.len();
         let marks = broken + machine.safety.assumptions.len();
         let integers = marks + machine.safety.marks().count();
-        let len = integers + machine.integers.len() * WIDTH;
-        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, len }
+        let counts = integers + machine.integers.len() * WIDTH;
+        let first_scan = counts + machine.plant.counts.len() * WIDTH;
+        let len = first_scan + if machine.safety.reset.is_some() { SCAN_WIDTH } else { 0 };
+        Layout { bits, outputs, variables, events, states, acted, broken, marks, integers, counts, first_scan, len }
     }
 
     /// A frame with all values FALSE.
@@ -149,28 +156,68 @@ impl Layout {
 
     /// The value of an integer in a frame.
     pub fn integer(&self, integer: IntegerId, frame: &[bool]) -> i64 {
-        let bits = &frame[self.place_of(integer)];
+        self.counted(Counted::Program(integer), frame)
+    }
+
+    /// Writes the value of an integer into a frame.
+    pub fn put_integer(&self, integer: IntegerId, value: i64, frame: &mut [bool]) {
+        self.put(Counted::Program(integer), value, frame);
+    }
+
+    /// The value of a hidden integer in a frame.
+    pub fn count(&self, count: CountId, frame: &[bool]) -> i64 {
+        self.counted(Counted::Hidden(count), frame)
+    }
+
+    /// Writes the value of a hidden integer into a frame.
+    pub fn put_count(&self, count: CountId, value: i64, frame: &mut [bool]) {
+        self.put(Counted::Hidden(count), value, frame);
+    }
+
+    /// The value of an integer, hidden or not, in a frame.
+    pub fn counted(&self, counted: Counted, frame: &[bool]) -> i64 {
+        let bits = &frame[self.place_of(counted)];
         // The highest bit says how often the range of all bits is to be taken away.
         bits.iter()
             .enumerate()
             .fold(0, |n, (i, &bit)| n + i64::from(bit) * if i + 1 == WIDTH { -1 << i } else { 1 << i })
     }
 
-    /// Writes the value of an integer into a frame.
-    pub fn put_integer(&self, integer: IntegerId, value: i64, frame: &mut [bool]) {
-        for (i, bit) in frame[self.place_of(integer)].iter_mut().enumerate() {
+    fn put(&self, counted: Counted, value: i64, frame: &mut [bool]) {
+        for (i, bit) in frame[self.place_of(counted)].iter_mut().enumerate() {
             *bit = value >> i & 1 == 1;
         }
     }
 
-    fn place_of(&self, integer: IntegerId) -> Range<usize> {
-        let first = self.integers + integer.index() * WIDTH;
+    fn place_of(&self, counted: Counted) -> Range<usize> {
+        let first = match counted {
+            Counted::Program(i) => self.integers + i.index() * WIDTH,
+            Counted::Hidden(c) => self.counts + c.index() * WIDTH,
+        };
         first..first + WIDTH
     }
 
     /// The places of integers.
     pub fn integers(&self) -> Range<usize> {
-        self.integers..self.len
+        self.integers..self.counts
+    }
+
+    /// The places of hidden integers.
+    pub fn counts(&self) -> Range<usize> {
+        self.counts..self.first_scan
+    }
+
+    /// The number of the scan in which began what the filter notes; nothing of a filter that notes nothing.
+    pub fn first_scan(&self, frame: &[bool]) -> Option<u32> {
+        let bits = &frame[self.first_scan..self.len];
+        (!bits.is_empty()).then(|| bits.iter().rev().fold(0, |n, &bit| n << 1 | u32::from(bit)))
+    }
+
+    /// Puts that number into a frame.
+    pub fn put_first_scan(&self, number: u32, frame: &mut [bool]) {
+        for (i, bit) in frame[self.first_scan..self.len].iter_mut().enumerate() {
+            *bit = number >> i & 1 == 1;
+        }
     }
 
     /// What a condition reads, in a frame and the one before.
@@ -182,18 +229,7 @@ impl Layout {
             Seen::Machine(Atom::PrevOutput(o)) => before[self.output(o)],
             Seen::Machine(Atom::Variable(v)) => now[self.variable(v)],
             Seen::Machine(Atom::Event(e)) => now[self.event(e)],
-            Seen::Machine(Atom::Compare(c)) => {
-                let comparison = &machine.comparisons[c];
-                let (left, right) = (self.number(&comparison.left, now), self.number(&comparison.right, now));
-                match comparison.relation {
-                    Relation::Equal => left == right,
-                    Relation::Unequal => left != right,
-                    Relation::Less => left < right,
-                    Relation::LessOrEqual => left <= right,
-                    Relation::Greater => left > right,
-                    Relation::GreaterOrEqual => left >= right,
-                }
-            }
+            Seen::Machine(Atom::Compare(c)) => machine.comparisons[c].holds(&|&i| self.integer(i, now)),
             Seen::Machine(Atom::In(s)) => now[self.state(s)],
             Seen::Machine(Atom::Done(s)) => machine.states[s].regions.iter().all(|&r| {
                 let mut states = machine.regions[r].states.iter();
@@ -203,20 +239,10 @@ impl Layout {
             Seen::Machine(Atom::After(..)) => false,
             Seen::Bit(b) => now[self.bit(b)],
             Seen::PrevBit(b) => before[self.bit(b)],
+            Seen::Compare(c) => machine.plant.comparisons[c].holds(&|&i| self.counted(i, now)),
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],
             Seen::Mark(mark) => now[self.mark(mark)],
-        }
-    }
-
-    fn number(&self, number: &Number<IntegerId>, frame: &[bool]) -> i64 {
-        match number {
-            Number::Const(n) => *n,
-            Number::Value(i) => self.integer(*i, frame),
-            Number::Sum(operands) => operands.iter().fold(0, |sum, o| {
-                let value = self.number(&o.value, frame);
-                if o.negative { sum - value } else { sum + value }
-            }),
         }
     }
 

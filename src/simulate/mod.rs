@@ -7,6 +7,7 @@
 //! Around either, [`plant`] is how the machine's parts react, [`run`] the closed loop, [`scenario`] a
 //! test that is played on it, [`record`] and [`vcd`] what is shown of a run.
 
+pub mod chance;
 pub mod chart;
 pub mod frame;
 pub mod plant;
@@ -15,4 +16,5 @@ pub mod record;
 pub mod run;
 pub mod scenario;
 pub mod trace;
+pub mod tree;
 pub mod vcd;

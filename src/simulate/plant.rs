@@ -1,8 +1,9 @@
 //! Runs a plant scan by scan, by the meaning that [`crate::ir::scenario`] gives it.
 
+use super::chance;
 use super::frame::{Frame, Layout};
 use crate::ir::chart::{ActuatorId, InputId, Machine};
-use crate::ir::scenario::{Given, Valve};
+use crate::ir::scenario::{Alteration, CountId, Given, Happening, Valve};
 
 /// The plant of a machine that runs, with what a scenario does to it.
 #[derive(Clone, Debug)]
@@ -14,7 +15,11 @@ pub struct Plant {
     counts: Vec<u32>,
     /// For each input, the value at which it is held.
     forced: Vec<Option<bool>>,
-    /// What stands at the terminals: inputs, hidden bits and, once [`Plant::step`] has begun, outputs of the
+    /// For each rule, whether it acts when outputs are written, and only then.
+    at_writing: Vec<bool>,
+    /// Where steps happen by chance, the state of the generator.
+    chance: Option<u64>,
+    /// What stands at the terminals: inputs, hidden values and, once [`Plant::step`] has begun, outputs of the
     /// scan before.
     values: Frame,
     first: bool,
@@ -38,6 +43,8 @@ impl Plant {
             travels: vec![Place { at: 0, order: None }; machine.plant.travels.len()],
             counts: vec![0; machine.plant.rules.len()],
             forced: vec![None; machine.inputs.len()],
+            at_writing: machine.plant.rules.iter().map(|r| machine.plant.by_steps && r.is_of_valve()).collect(),
+            chance: None,
             values: layout.frame(),
             first: true,
         };
@@ -47,7 +54,19 @@ impl Plant {
         for &(actuator, position) in &machine.plant.places {
             plant.place(machine, actuator, position);
         }
+        for (id, count) in machine.plant.counts.iter() {
+            layout.put_count(id, count.initial, &mut plant.values);
+        }
         plant
+    }
+
+    /// From now on steps happen by chance, and what nobody knows to begin with is decided by it.
+    pub fn leave_to_chance(&mut self, machine: &Machine, seed: u64) {
+        let mut state = seed;
+        for &bit in &machine.plant.unknown {
+            self.values[self.layout.bit(bit)] = chance::next(&mut state) & 1 == 1;
+        }
+        self.chance = Some(state);
     }
 
     /// Gives a value to what the plant does not change by itself; else the plant goes on from there.
@@ -74,6 +93,13 @@ impl Plant {
     /// are all FALSE as far as there was none. Returns the inputs that the program samples.
     pub fn step(&mut self, machine: &Machine, before: &Frame, earlier: &Frame) -> &[bool] {
         let outputs = self.layout.outputs();
+        if machine.plant.by_steps && !self.first {
+            self.values[outputs.clone()].copy_from_slice(&earlier[outputs.clone()]);
+            self.live(machine, true);
+            self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
+            self.write(machine);
+            self.live(machine, false);
+        }
         self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
         // What had no scan before it has no edge.
         let mut past = if self.first { self.values.clone() } else { before.clone() };
@@ -81,6 +107,9 @@ impl Plant {
         self.travel(machine, &past);
         self.hold();
         for (i, rule) in machine.plant.rules.iter().enumerate() {
+            if self.at_writing[i] {
+                continue;
+            }
             let place = self.layout.place(rule.target);
             let held = matches!(rule.target, Given::Input(input) if self.forced[input.index()].is_some());
             let pending = !held
@@ -97,6 +126,74 @@ impl Plant {
         }
         self.first = false;
         &self.values[self.layout.inputs()]
+    }
+
+    /// What happens between a reading of the inputs and the writing of the outputs, or between that and the next
+    /// reading.
+    fn live(&mut self, machine: &Machine, before_writing: bool) {
+        let Some(mut state) = self.chance else {
+            if !before_writing {
+                // What only others make possible waits for the next scan, so that nothing goes its whole way in one.
+                let possible: Vec<&Happening> =
+                    machine.plant.happenings.iter().filter(|h| self.can_happen(machine, h)).collect();
+                possible.into_iter().for_each(|h| self.happen(machine, h));
+            }
+            return;
+        };
+        // Some rounds, mostly few: a plant that is slower than the program, and now and then faster.
+        while chance::next(&mut state) & 1 == 1 {
+            for happening in &machine.plant.happenings {
+                if chance::next(&mut state) & 1 == 1 {
+                    self.happen(machine, happening);
+                }
+            }
+        }
+        self.chance = Some(state);
+    }
+
+    fn can_happen(&self, machine: &Machine, happening: &Happening) -> bool {
+        // A step reads no past.
+        self.layout.holds(machine, &happening.condition, &self.values, &self.values)
+    }
+
+    /// Lets something happen if it can.
+    fn happen(&mut self, machine: &Machine, happening: &Happening) {
+        if !self.can_happen(machine, happening) {
+            return;
+        }
+        let before = self.values.clone();
+        for outcome in happening.outcomes.iter().filter(|o| self.layout.holds(machine, &o.condition, &before, &before))
+        {
+            match &outcome.change {
+                Alteration::Bit(bit, value) => self.values[self.layout.bit(*bit)] = *value,
+                Alteration::Count(id, value) => {
+                    let range = machine.plant.counts[*id].range;
+                    let value = value.eval(&|&c| self.layout.count(c, &before));
+                    self.layout.put_count(*id, value.clamp(range.lowest, range.highest), &mut self.values);
+                }
+            }
+        }
+    }
+
+    /// Valves follow outputs that have just been written.
+    fn write(&mut self, machine: &Machine) {
+        for (rule, _) in machine.plant.rules.iter().zip(&self.at_writing).filter(|(_, at_writing)| **at_writing) {
+            if self.layout.holds(machine, &rule.condition, &self.values, &self.values) {
+                let place = self.layout.place(rule.target);
+                self.values[place] = rule.value;
+            }
+        }
+    }
+
+    /// The value of a hidden integer.
+    pub fn count(&self, count: CountId) -> i64 {
+        self.layout.count(count, &self.values)
+    }
+
+    /// Writes the values of hidden integers into a frame.
+    pub fn tell(&self, frame: &mut Frame) {
+        let counts = self.layout.counts();
+        frame[counts.clone()].copy_from_slice(&self.values[counts]);
     }
 
     /// The values of inputs and hidden bits.

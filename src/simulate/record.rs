@@ -2,8 +2,8 @@
 
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
-use crate::ir::chart::{IntegerId, Machine, StateId};
-use crate::ir::scenario::Seen;
+use crate::ir::chart::{Machine, ScanNumber, StateId};
+use crate::ir::scenario::{Counted, Seen};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
@@ -62,7 +62,7 @@ impl Recording {
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as
     /// `in(…)`, alarm as `alarm(…)`, correction that is none as `acts(…)`, what the filter remembers,
-    /// and integer.
+    /// integer and hidden integer, and as `scan(first)` the scan in which began what the filter notes.
     pub fn csv(&self, machine: &Machine) -> String {
         let layout = Layout::of(machine);
         let mut out = String::from("scan");
@@ -75,8 +75,11 @@ impl Recording {
             for &value in &frame[..layout.integers().start] {
                 out.push_str(if value { ",1" } else { ",0" });
             }
-            for id in machine.integers.ids() {
-                let _ = write!(out, ",{}", layout.integer(id, frame));
+            for integer in counted(machine) {
+                let _ = write!(out, ",{}", layout.counted(integer, frame));
+            }
+            if let Some(number) = layout.first_scan(frame) {
+                let _ = write!(out, ",{number}");
             }
             out.push('\n');
         }
@@ -84,7 +87,7 @@ impl Recording {
     }
 }
 
-/// What the places of a frame are called in CSV, in order.
+/// What the columns behind the first one are called in CSV, in order: those of single places, then numbers.
 pub fn columns(machine: &Machine) -> Vec<String> {
     let mut names: Vec<String> = machine.inputs.values().map(|i| i.name.clone()).collect();
     names.extend(machine.plant.bits.values().map(|b| b.name.clone()));
@@ -95,8 +98,14 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
     names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
-    names.extend(machine.integers.values().map(|i| i.name.clone()));
+    names.extend(counted(machine).map(|i| machine.counted(i).to_owned()));
+    names.extend(machine.safety.reset.map(|_| machine.scan_number(ScanNumber::First).to_owned()));
     names
+}
+
+/// All integers in the order of frames.
+pub fn counted(machine: &Machine) -> impl Iterator<Item = Counted> + '_ {
+    machine.integers.ids().map(Counted::Program).chain(machine.plant.counts.ids().map(Counted::Hidden))
 }
 
 /// What a column asks about: `S1` for `alarm(S1)`, the column itself if it is a name.
@@ -143,7 +152,7 @@ pub struct Names {
     columns: Vec<String>,
     states: Vec<String>,
     elementary: Vec<StateId>,
-    integers: Vec<(IntegerId, String, i64)>,
+    integers: Vec<(Counted, String, i64)>,
 }
 
 impl Names {
@@ -151,7 +160,11 @@ impl Names {
     pub fn of(machine: &Machine) -> Names {
         let elementary = machine.states.iter().filter(|(_, s)| s.regions.is_empty()).map(|(id, _)| id).collect();
         let (columns, states) = (columns(machine), short_names(machine));
-        let integers = machine.integers.iter().map(|(id, i)| (id, i.name.clone(), i.initial)).collect();
+        let initial = |i: Counted| match i {
+            Counted::Program(i) => machine.integers[i].initial,
+            Counted::Hidden(c) => machine.plant.counts[c].initial,
+        };
+        let integers = counted(machine).map(|i| (i, machine.counted(i).to_owned(), initial(i))).collect();
         Names { layout: Layout::of(machine), columns, states, elementary, integers }
     }
 
@@ -165,9 +178,9 @@ impl Names {
             cells[cell].extend(changed.map(|i| sign(now[i], &self.columns[i])));
         }
         for (id, name, initial) in &self.integers {
-            let value = self.layout.integer(*id, now);
-            if before.map_or(*initial, |b| self.layout.integer(*id, b)) != value {
-                cells[1].push(format!("{name}={value}"));
+            let value = self.layout.counted(*id, now);
+            if before.map_or(*initial, |b| self.layout.counted(*id, b)) != value {
+                cells[usize::from(matches!(id, Counted::Program(_)))].push(format!("{name}={value}"));
             }
         }
         for i in self.layout.alarms().filter(|&i| now[i] && !was(i)) {
@@ -176,6 +189,11 @@ impl Names {
         }
         let marks = self.layout.marks().filter(|&i| was(i) != now[i]);
         cells[1].extend(marks.map(|i| sign(now[i], &self.columns[i])));
+        if let Some(number) = self.layout.first_scan(now)
+            && before.map_or(0, |b| self.layout.first_scan(b).unwrap_or(0)) != number
+        {
+            cells[1].extend(self.columns.last().map(|column| format!("{column}={number}")));
+        }
         for leaves in [true, false] {
             for &state in &self.elementary {
                 let i = self.layout.state(state);

@@ -5,10 +5,10 @@ use super::frame::{Frame, Layout};
 use super::plant::Plant;
 use super::plc::Plc;
 use crate::base::Span;
-use crate::ir::chart::{Atom, ComparisonId, InputId, IntegerId, Machine, Mark};
+use crate::ir::chart::{Atom, InputId, Machine, Mark, ScanNumber};
 use crate::ir::number::Comparison;
 use crate::ir::plc::{self, Role};
-use crate::ir::scenario::{Condition, Seen};
+use crate::ir::scenario::{Condition, CountId, Counted, Seen};
 use crate::ir::{iec, iec::VarId};
 
 /// What runs the machine.
@@ -29,6 +29,8 @@ pub struct Wired {
     shown: Vec<(usize, VarId)>,
     /// For each integer, its variable.
     integers: Vec<VarId>,
+    /// Of a filter with a reset, the number of the scan in which began what it notes.
+    first_scan: Option<VarId>,
 }
 
 impl Program {
@@ -94,7 +96,8 @@ impl Program {
                 },
             );
         }
-        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers }))
+        let first_scan = machine.safety.reset.map(|_| find(Role::FirstScan, "filter", machine.safety.span)[0]);
+        Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers, first_scan }))
     }
 
     /// Runs one scan with the inputs that stand in `frame` and writes all else into it.
@@ -126,6 +129,7 @@ impl Program {
                 for mark in machine.safety.marks() {
                     frame[layout.mark(mark)] = chart.mark(mark);
                 }
+                layout.put_first_scan(chart.scan_number(ScanNumber::First), frame);
             }
             Program::Plc(wired) => {
                 for (&variable, &value) in wired.inputs.iter().zip(&frame[layout.inputs()]) {
@@ -133,12 +137,15 @@ impl Program {
                 }
                 let milliseconds = i64::try_from(milliseconds(machine, wired.plc.scans() + 1)).unwrap_or(i64::MAX);
                 wired.plc.scan(milliseconds.saturating_mul(1000));
-                frame[layout.written().start..].fill(false);
+                frame[layout.written().start..layout.integers().end].fill(false);
                 for &(place, variable) in &wired.shown {
                     frame[place] |= wired.plc.read(variable) != 0;
                 }
                 for (id, &variable) in machine.integers.ids().zip(&wired.integers) {
                     layout.put_integer(id, wired.plc.read(variable), frame);
+                }
+                if let Some(variable) = wired.first_scan {
+                    layout.put_first_scan(wired.plc.read(variable) as u32, frame);
                 }
             }
         }
@@ -185,12 +192,18 @@ impl<'m> Run<'m> {
         self.plant.given()
     }
 
+    /// The value of a hidden integer.
+    pub fn count(&self, count: CountId) -> i64 {
+        self.plant.count(count)
+    }
+
     /// Lets the plant move and the program run once.
     pub fn scan(&mut self) {
         self.plant.step(self.machine, &self.now, &self.before);
         std::mem::swap(&mut self.now, &mut self.before);
         let given = self.layout.given();
         self.now[given.clone()].copy_from_slice(self.plant.given());
+        self.plant.tell(&mut self.now);
         self.program.scan(self.machine, &self.layout, &mut self.now);
         if self.scans == 0 {
             // What has no past has no edge.
@@ -230,8 +243,17 @@ impl<'m> Run<'m> {
         let mut values: Vec<(String, bool)> = Vec::new();
         condition.for_each_atom(&mut |&seen| {
             let mut name = self.machine.seen(seen);
-            if let Seen::Machine(Atom::Compare(c)) = seen {
-                name.push_str(&self.integers(c));
+            match seen {
+                Seen::Machine(Atom::Compare(c)) => {
+                    name.push_str(&self.integers(&self.machine.comparisons[c], |&i| Counted::Program(i)));
+                }
+                Seen::Compare(c) => name.push_str(&self.integers(&self.machine.plant.comparisons[c], |&i| i)),
+                Seen::Machine(_)
+                | Seen::Bit(_)
+                | Seen::PrevBit(_)
+                | Seen::Acted(_)
+                | Seen::Mark(_)
+                | Seen::Broken(_) => {}
             }
             if values.iter().all(|(n, _)| *n != name) {
                 values.push((name, self.layout.value(self.machine, seen, &self.now, &self.before)));
@@ -241,14 +263,13 @@ impl<'m> Run<'m> {
     }
 
     /// The values of what a comparison reads: ` (Jars is 2)`.
-    fn integers(&self, comparison: ComparisonId) -> String {
-        let Comparison { left, right, .. } = &self.machine.comparisons[comparison];
-        let mut read: Vec<IntegerId> = Vec::new();
-        left.for_each_value(&mut |&i| read.push(i));
-        right.for_each_value(&mut |&i| read.push(i));
+    fn integers<A>(&self, comparison: &Comparison<A>, of: impl Fn(&A) -> Counted) -> String {
+        let mut read: Vec<Counted> = Vec::new();
+        comparison.left.for_each_value(&mut |i| read.push(of(i)));
+        comparison.right.for_each_value(&mut |i| read.push(of(i)));
         read.sort_unstable();
         read.dedup();
-        let one = |i: IntegerId| format!("{} is {}", self.machine.integers[i].name, self.layout.integer(i, &self.now));
+        let one = |i: Counted| format!("{} is {}", self.machine.counted(i), self.layout.counted(i, &self.now));
         format!(" ({})", read.into_iter().map(one).collect::<Vec<_>>().join(", "))
     }
 }

@@ -60,7 +60,8 @@ impl Inputs {
         let mut inputs = Inputs { names: names.iter().map(|n| (*n).to_owned()).collect(), ..Inputs::default() };
         for (number, cells) in lines {
             let scan = value(cells[0], number)?;
-            let scan = u64::try_from(scan).map_err(|_| format!("line {number}: there is no scan {scan}"))?;
+            let scan = u64::try_from(scan).ok().filter(|scan| *scan > 0);
+            let scan = scan.ok_or_else(|| format!("line {number}: there is no scan {}", cells[0]))?;
             let changes = inputs.changes.entry(scan).or_default();
             for (index, cell) in cells[1..].iter().enumerate().filter(|(_, c)| !c.is_empty()) {
                 changes.push((index, value(cell, number)?));

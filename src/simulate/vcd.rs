@@ -4,10 +4,11 @@
 //! hierarchy. In the scope of a region `state` is the name of the active state, `-` while there is none, and
 //! each state is one bit called by its name; what contains states is a scope of the same name.
 
-use super::frame::{Frame, Layout, WIDTH};
+use super::frame::{Frame, Layout, SCAN_WIDTH, WIDTH};
 use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
-use crate::ir::chart::{IntegerId, Machine, RegionId};
+use crate::ir::chart::{Machine, RegionId};
+use crate::ir::scenario::Counted;
 use std::ops::Range;
 use vcd::{IdCode, SimulationCommand, TimescaleUnit, VarType, Writer};
 
@@ -20,6 +21,7 @@ pub fn write(machine: &Machine, recording: &Recording) -> String {
         writer: Writer::new(Vec::new()),
         bits: Vec::new(),
         integers: Vec::new(),
+        first_scan: None,
         regions: Vec::new(),
     };
     dump.head();
@@ -34,7 +36,9 @@ struct Dump<'m> {
     /// The one-bit variables, by place in the frames.
     bits: Vec<(IdCode, usize)>,
     /// The variables that hold integers.
-    integers: Vec<(IdCode, IntegerId)>,
+    integers: Vec<(IdCode, Counted)>,
+    /// The variable that holds the number of the scan in which began what the filter notes.
+    first_scan: Option<IdCode>,
     /// The variables that name the active state of a region.
     regions: Vec<(IdCode, RegionId)>,
 }
@@ -50,19 +54,19 @@ impl Dump<'_> {
         let (inputs, outputs, alarms) = (layout.inputs(), layout.outputs(), layout.alarms());
         self.group("inputs", inputs.clone());
         self.group("hidden", inputs.end..layout.given().end);
+        self.numbers("hidden", machine.plant.counts.ids().map(Counted::Hidden).collect());
         self.group("outputs", outputs.clone());
         self.group("variables", outputs.end..layout.events().start);
         self.group("events", layout.events());
-        if !machine.integers.is_empty() {
-            self.writer.add_module("integers").expect(MEMORY);
-            for (id, integer) in machine.integers.iter() {
-                let code = self.writer.add_var(VarType::Integer, WIDTH as u32, &integer.name, None).expect(MEMORY);
-                self.integers.push((code, id));
-            }
-            self.writer.upscope().expect(MEMORY);
-        }
+        self.numbers("integers", machine.integers.ids().map(Counted::Program).collect());
         self.group("alarms", alarms);
         self.group("filter", layout.marks());
+        if machine.safety.reset.is_some() {
+            self.writer.add_module("filter").expect(MEMORY);
+            let code = self.writer.add_var(VarType::Reg, SCAN_WIDTH as u32, "first_scan", None).expect(MEMORY);
+            self.first_scan = Some(code);
+            self.writer.upscope().expect(MEMORY);
+        }
         for chart in &machine.charts {
             self.writer.add_module(&chart.name).expect(MEMORY);
             for &region in &chart.regions {
@@ -84,6 +88,19 @@ impl Dump<'_> {
             let name = bare(&columns[place]);
             let id = self.writer.add_wire(1, name).expect(MEMORY);
             self.bits.push((id, place));
+        }
+        self.writer.upscope().expect(MEMORY);
+    }
+
+    fn numbers(&mut self, name: &str, integers: Vec<Counted>) {
+        if integers.is_empty() {
+            return;
+        }
+        self.writer.add_module(name).expect(MEMORY);
+        for integer in integers {
+            let name = self.machine.counted(integer);
+            let code = self.writer.add_var(VarType::Integer, WIDTH as u32, name, None).expect(MEMORY);
+            self.integers.push((code, integer));
         }
         self.writer.upscope().expect(MEMORY);
     }
@@ -133,11 +150,17 @@ impl Dump<'_> {
                 self.writer.change_scalar(id, frame[place]).expect(MEMORY);
             }
             for &(code, id) in &self.integers {
-                let value = self.layout.integer(id, frame);
-                if before.is_none_or(|b| self.layout.integer(id, b) != value) {
+                let value = self.layout.counted(id, frame);
+                if before.is_none_or(|b| self.layout.counted(id, b) != value) {
                     let bits = (0..WIDTH).rev().map(|bit| vcd::Value::from(value >> bit & 1 == 1));
                     self.writer.change_vector(code, bits).expect(MEMORY);
                 }
+            }
+            if let (Some(code), Some(number)) = (self.first_scan, self.layout.first_scan(frame))
+                && before.is_none_or(|b| self.layout.first_scan(b) != Some(number))
+            {
+                let bits = (0..SCAN_WIDTH).rev().map(|bit| vcd::Value::from(number >> bit & 1 == 1));
+                self.writer.change_vector(code, bits).expect(MEMORY);
             }
             for &(id, region) in &self.regions {
                 let states = &self.machine.regions[region].states;

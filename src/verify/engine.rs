@@ -9,6 +9,7 @@ use super::bounded::Bounded;
 use super::certificate;
 use super::count::Count;
 use super::limits::{Limit, Limits, Stop};
+use super::liveness;
 use super::pdr::{self, Proof};
 use super::symbolic;
 use super::system::{Claim, Property, System, Trace};
@@ -121,6 +122,7 @@ pub fn check(
     if may(Engine::Proof) {
         check.prove(limits.conflicts);
     }
+    check.await_answers(choice);
     for ((claim, found), gave_up) in system.claims.iter().zip(check.found).zip(check.gave_up) {
         let open = || {
             let never = matches!(claim.property, Property::Never(_)) || alone;
@@ -177,6 +179,22 @@ impl Check<'_, '_, '_> {
             }
         }
         (explored.states, explored.scans, explored.limit)
+    }
+
+    /// What is claimed to come sooner or later, claim by claim.
+    fn await_answers(&mut self, choice: Choice) {
+        for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate() {
+            let Property::Eventually { after, then } = *property else { continue };
+            let mut told = |engine, scans| (self.progress)(Progress { engine, claim: Some(claim), scans });
+            let found = liveness::answer(self.system, after, then, self.limits, choice, self.stop, &mut told);
+            match found {
+                Ok((engine, verdict)) => self.settle(claim, engine, verdict),
+                Err(limit) => {
+                    let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
+                    self.found[claim] = Some(Finding { verdict: Verdict::Unknown(limit), engine });
+                }
+            }
+        }
     }
 
     /// Looks for runs of up to that many scans.

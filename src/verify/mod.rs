@@ -8,6 +8,7 @@
 //! | [`bounded`] | shortest runs, by a [`solver`] |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
 //! | [`export`] | for other tools, and their runs back |
+//! | [`liveness`] | what comes sooner or later in fair runs |
 //! | [`machine`] | a machine in its plant as such a system, and what to ask of it |
 //! | [`limits`] | how much they may spend, and why they gave up |
 //!
@@ -20,6 +21,7 @@ pub mod count;
 pub mod engine;
 pub mod export;
 pub mod limits;
+pub mod liveness;
 pub mod machine;
 pub mod order;
 pub mod pdr;
@@ -31,4 +33,4 @@ pub mod system;
 pub use crate::bits::{aig, sat};
 pub use engine::{Choice, Engine, Finding, Progress, Report, Verdict, check};
 pub use limits::{Limit, Limits};
-pub use system::{Claim, Giver, Input, Latch, Property, System, Trace};
+pub use system::{Claim, Fairness, Giver, Input, Latch, Property, System, Trace};

@@ -39,7 +39,7 @@ pub fn explore(system: &System, limits: &Limits, stop: Stop<'_>, progress: &mut 
 fn literal(property: Property) -> Option<Lit> {
     match property {
         Property::Never(l) | Property::AlwaysPossible(l) => Some(l),
-        Property::NeverStuck => None,
+        Property::NeverStuck | Property::Eventually { .. } => None,
     }
 }
 
@@ -70,7 +70,7 @@ impl Search<'_, '_> {
         }
         explored.states = Some(self.relation.bdd.count(self.reached, &self.relation.now));
         for (i, claim) in self.claims.iter().enumerate() {
-            if explored.verdicts[i].is_some() {
+            if explored.verdicts[i].is_some() || matches!(claim.property, Property::Eventually { .. }) {
                 continue;
             }
             explored.verdicts[i] = Some(Ok(()));
@@ -122,7 +122,7 @@ impl Search<'_, '_> {
                     let alive = self.relation.possible(self.relation.anything(), ring, &keep)?;
                     (self.relation.bdd.and(ring, !alive)?, None)
                 }
-                Property::AlwaysPossible(_) => continue,
+                Property::AlwaysPossible(_) | Property::Eventually { .. } => continue,
             };
             if found != Edge::FALSE {
                 explored.verdicts[i] = Some(Err(self.lead(found, bad)?));

@@ -20,8 +20,20 @@ pub struct System {
     pub inputs: Vec<Input>,
     /// What holds in each scan.
     pub constraints: Vec<Lit>,
+    /// What is TRUE in infinitely many scans of those runs of which [`Property::Eventually`] is claimed, and of
+    /// no others.
+    pub fair: Vec<Fairness>,
     /// What is claimed, in order of declaration.
     pub claims: Vec<Claim>,
+}
+
+/// Something that comes again and again in a run that is called fair.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fairness {
+    /// How it is called in other tools.
+    pub name: String,
+    /// When it has come.
+    pub holds: Lit,
 }
 
 /// One bit of memory.
@@ -75,6 +87,14 @@ pub enum Property {
     AlwaysPossible(Lit),
     /// Every run can be continued by one more scan.
     NeverStuck,
+    /// In every infinite run that is fair, each scan in which `after` is TRUE is one in which `then` is, or is followed
+    /// by one. A run that cannot go on is no infinite one.
+    Eventually {
+        /// What has to be answered.
+        after: Lit,
+        /// The answer.
+        then: Lit,
+    },
 }
 
 /// A run.
@@ -116,6 +136,11 @@ impl System {
         self.claims.push(Claim { name: name.into(), property });
     }
 
+    /// A new fairness.
+    pub fn fairness(&mut self, name: impl Into<String>, holds: Lit) {
+        self.fair.push(Fairness { name: name.into(), holds });
+    }
+
     /// The name of a leaf.
     pub fn name(&self, leaf: Lit) -> &str {
         match self.aig.node(leaf.node()) {
@@ -143,12 +168,44 @@ impl System {
         Some(replay)
     }
 
-    /// Whether the run is one and, for what never must be, its last scan shows it.
+    /// Whether the run is one and, for what never must be, its last scan shows it; for what comes eventually, it
+    /// ends in a loop that shows that it does not.
     pub fn shows(&self, trace: &Trace, property: Property) -> bool {
         self.replay(trace).is_some_and(|replay| match property {
             Property::Never(bad) => replay.values.last().is_some_and(|values| lanes(values, bad) & 1 == 1),
             Property::AlwaysPossible(_) | Property::NeverStuck => true,
+            Property::Eventually { after, then } => self.loop_in(&replay, after, then).is_some(),
         })
+    }
+
+    /// In a run that shows that `then` need not come `after`, the scan, counted from 0, from which on it can
+    /// repeat itself for ever: all that matters is as it was when that scan began.
+    pub fn repeats(&self, trace: &Trace, property: Property) -> Option<usize> {
+        let Property::Eventually { after, then } = property else { return None };
+        self.loop_in(&self.replay(trace)?, after, then)
+    }
+
+    fn loop_in(&self, replay: &Replay, after: Lit, then: Lit) -> Option<usize> {
+        let scans = &replay.values;
+        let is = |scan: usize, l: Lit| lanes(&scans[scan], l) & 1 == 1;
+        // What was asked after the last answer, or ever, is still open at the end.
+        let open = (0..scans.len()).rev().find(|&scan| is(scan, then)).map_or(0, |answer| answer + 1);
+        if !(open..scans.len()).any(|scan| is(scan, after)) {
+            return None;
+        }
+        let (latches, _) = self.cone(&self.roots_of(after, then));
+        // The shortest loop that will do.
+        (open..scans.len()).rev().find(|&begin| {
+            let same = |&l: &usize| is(begin, self.latches[l].leaf) == replay.last[l];
+            let comes = |f: &Fairness| (begin..scans.len()).any(|scan| is(scan, f.holds));
+            self.fair.iter().all(comes) && latches.iter().all(same)
+        })
+    }
+
+    /// All that says whether a run is fair and `then` comes `after`.
+    pub fn roots_of(&self, after: Lit, then: Lit) -> Vec<Lit> {
+        let fair = self.fair.iter().map(|f| f.holds);
+        self.constraints.iter().copied().chain(fair).chain([after, then]).collect()
     }
 
     /// Every node's value in a scan.
@@ -192,7 +249,9 @@ impl System {
     /// the scan before where the run still shows the same. A calm run is easier to read.
     pub fn calm(&self, trace: &Trace, property: Property) -> Trace {
         let mut calm = trace.clone();
-        let Property::Never(_) = property else { return calm };
+        if matches!(property, Property::AlwaysPossible(_) | Property::NeverStuck) {
+            return calm;
+        }
         // Whole inputs first, then shorter and shorter stretches.
         let mut stretch = calm.inputs.len();
         while stretch > 0 {

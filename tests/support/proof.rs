@@ -63,6 +63,7 @@ impl<'a> Simulated<'a> {
             Part::Variable(v) => self.chart.variable(v),
             Part::Event(e) => self.chart.event(e),
             Part::Bit(i, bit) => self.chart.integer(i) >> bit & 1 == 1,
+            Part::Scan(number, bit) => self.chart.scan_number(number) >> bit & 1 == 1,
             Part::Command(o) => self.chart.command(o),
             Part::Acted(c) => self.chart.acted(c),
             Part::Broken(a) => self.chart.broken(a),
@@ -94,6 +95,10 @@ impl<'a> Simulated<'a> {
             Part::Input(i) => Some(&self.names.inputs[i.index()]),
             Part::Bit(i, bit) => {
                 let id = self.program.global(&self.names.integers[i.index()])?;
+                return Some(self.plc.read(id) >> bit & 1 == 1);
+            }
+            Part::Scan(number, bit) => {
+                let id = self.program.global(self.names.scans[number as usize].as_ref()?)?;
                 return Some(self.plc.read(id) >> bit & 1 == 1);
             }
             Part::Begins(_) => None,

@@ -8,6 +8,7 @@
 //! Names are unique in the whole text, so that what mentions a thing can be found by its name.
 
 mod behaviour;
+mod functions;
 mod observers;
 mod safety;
 mod topology;
@@ -15,6 +16,15 @@ mod tree;
 
 use super::items::Item;
 use super::rng::Rng;
+
+/// The seeds that a test looks at: so many, unless `CHARTWRIGHT_RANDOM_MODELS` gives another number, or a range such
+/// as `500..1000`.
+pub fn seeds(usual: u64) -> std::ops::Range<u64> {
+    let Ok(wanted) = std::env::var("CHARTWRIGHT_RANDOM_MODELS") else { return 0..usual };
+    let (from, to) = wanted.split_once("..").unwrap_or(("0", &wanted));
+    let number = |text: &str| text.parse().unwrap_or_else(|_| panic!("CHARTWRIGHT_RANDOM_MODELS={wanted}"));
+    number(from)..number(to)
+}
 
 /// A model: its items, from which [`items::text`](super::items::text) makes the source.
 pub fn model(seed: u64) -> Vec<Item> {
@@ -26,6 +36,7 @@ pub fn model(seed: u64) -> Vec<Item> {
     };
     let mut model = Model::new(rng, size);
     model.plan_observers();
+    model.plan_functions();
     model.tree(size);
     model.transitions();
     model.topology();
@@ -33,6 +44,7 @@ pub fn model(seed: u64) -> Vec<Item> {
     let safety = model.safety();
     let mut items = model.declarations();
     items.extend(model.observer_items());
+    items.extend(model.function_items());
     items.extend(model.charts());
     items.extend(safety);
     items
@@ -116,6 +128,7 @@ struct Model {
     regions: Vec<Region>,
     states: Vec<State>,
     observers: Vec<observers::Observer>,
+    functions: Vec<functions::Function>,
     /// For each chart its outermost regions.
     charts: Vec<Vec<usize>>,
     /// What names of states begin with.
@@ -162,6 +175,7 @@ impl Model {
             regions: Vec::new(),
             states: Vec::new(),
             observers: Vec::new(),
+            functions: Vec::new(),
             charts: Vec::new(),
             prefix: rng.pick::<&str>(&["S", "State", "Q", "AnExtraordinarilyLongNameForAState"]),
             names: 0,
@@ -250,15 +264,15 @@ impl Model {
         let (Some(&first), true) = (regions.first(), self.rng.chance(50)) else { return String::new() };
         // More than one region may raise an event, but not write a variable.
         let alone = regions.iter().all(|&r| r == first);
-        let mut variables = self.regions[first].variables.clone();
-        variables.retain(|&v| alone && v < self.variables);
-        let variable = self.rng.choose(&variables);
-        let time = self.rng.between(1, 80);
-        match variable {
-            Some(v) => format!(" within {time}ms else set Var{v}"),
-            None if self.events > 0 => format!(" within {time}ms else raise Ev{}", self.rng.below(self.events)),
-            None => String::new(),
+        let variables = if alone { self.regions[first].variables.clone() } else { Vec::new() };
+        let mut effects: Vec<String> = self.rng.choose(&variables).map(|v| self.deed(v)).into_iter().collect();
+        if self.events > 0 && (effects.is_empty() || self.rng.chance(20)) {
+            effects.push(format!("raise Ev{}", self.rng.below(self.events)));
         }
+        if effects.is_empty() {
+            return String::new();
+        }
+        format!(" within {}ms else {}", self.rng.between(1, 80), effects.join(", "))
     }
 
     /// The name of a position of an actuator.

@@ -3,15 +3,20 @@
 
 use super::rng::Rng;
 use chartwright::ir::chart::{
-    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, StateId, VariableId,
+    Atom, ConstraintId, EventId, FilterMode, Guard, IntegerId, Machine, Mark, OutputId, Phase, ScanNumber, StateId,
+    VariableId,
 };
 use chartwright::ir::iec::VarId;
 use chartwright::ir::number::{Number, Range};
 use chartwright::ir::plc::Role;
-use chartwright::pipeline::{self, Dialect, Options};
+use chartwright::pipeline::{self, Dialect, Options, Output};
 use chartwright::read::read;
 use chartwright::simulate::chart::Chart;
 use chartwright::simulate::plc::Plc;
+use std::path::Path;
+
+/// How many scans of a model are kept.
+const KEPT: usize = 200;
 
 /// Inputs that change rarely or often, the same for the same seed.
 pub struct Inputs {
@@ -44,7 +49,7 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
     let mut inputs = Inputs::new(&machine, seed);
     let mut before: Option<Vec<bool>> = None;
     // Which constraints acted first, since the last reset.
-    let mut noted: Option<Vec<bool>> = None;
+    let mut noted: Option<(Vec<bool>, u32)> = None;
     let mut past = vec![false; machine.outputs.len()];
     for scan in 1..=scans {
         let now = inputs.next().to_vec();
@@ -132,10 +137,11 @@ pub fn incoherence(source: &str, seed: u64, scans: usize) -> Option<String> {
             let first = |c| chart.mark(Mark::First(c));
             let acting: Vec<bool> = machine.safety.constraints.ids().map(|c| chart.acted(c)).collect();
             if !kept {
-                noted = acted.then_some(acting);
+                noted = acted.then_some((acting, scan as u32));
             }
-            let expected = |c: ConstraintId| noted.as_ref().is_some_and(|n| n[c.index()]);
-            let right = chart.mark(Mark::Noted) == noted.is_some();
+            let expected = |c: ConstraintId| noted.as_ref().is_some_and(|(n, _)| n[c.index()]);
+            let began = noted.as_ref().map_or(0, |(_, scan)| *scan);
+            let right = chart.mark(Mark::Noted) == noted.is_some() && chart.scan_number(ScanNumber::First) == began;
             if !right || machine.safety.constraints.ids().any(|c| first(c) != expected(c)) {
                 return wrong("what the filter remembers is not what it should".into());
             }
@@ -181,12 +187,14 @@ enum Meaning {
     Alarm(ConstraintId),
     Broken(usize),
     Mark(Mark),
+    Scan(ScanNumber),
 }
 
 impl Meaning {
     fn of(self, chart: &Chart) -> i64 {
         i64::from(match self {
             Meaning::Integer(i) => return chart.integer(i),
+            Meaning::Scan(number) => return i64::from(chart.scan_number(number)),
             Meaning::State(s) => chart.is_active(s),
             Meaning::Variable(v) => chart.variable(v),
             Meaning::Event(e) => chart.event(e),
@@ -199,36 +207,28 @@ impl Meaning {
     }
 }
 
-/// Where a run of the machine and one of its program, written as XML and read back, first differ.
-/// Invalid models have no run.
-pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> Option<String> {
-    let options = Options { dialect, created: "1970-01-01T00:00:00".into(), prove: false };
-    let built = pipeline::build(source, &options).0?;
+/// What global variables of a program have to equal, by their names; what of the chart has no variable of its own,
+/// or more than one, is an error.
+fn meanings(built: &Output) -> Result<Vec<(String, Meaning)>, String> {
     let machine = &built.machine;
-    let (read_back, problems) = read(&built.xml);
-    let Some(program) = read_back else {
-        return Some(format!("the XML cannot be read: {:?}", problems.iter().next().map(|p| &p.message)));
-    };
-    let variable = |name: &str| -> Option<VarId> {
-        program.variables.iter().find(|(_, v)| v.name.eq_ignore_ascii_case(name)).map(|(id, _)| id)
-    };
-
     let mut meanings: Vec<(String, Meaning)> = Vec::new();
     for global in built.project.globals.values() {
         let span = global.origin.span;
-        // Constraints that are derived together stand at one place.
+        // One place of the text may stand for several things, as a function does.
         let named = |name: &str| global.origin.what.split(' ').nth(1) == Some(name);
         let meaning = match global.role {
             // What takes a long rung is computed in parts.
             _ if global.name.starts_with("Part") => None,
             Role::Input | Role::Condition | Role::Interim | Role::Filter | Role::History => None,
-            Role::StepFlag => find(machine.states.iter(), |s| Some(s.span) == span).map(Meaning::State),
-            Role::Variable => find(machine.variables.iter(), |v| Some(v.span) == span)
+            Role::StepFlag => machine.states.ids().find(|&s| named(&machine.state_path(s))).map(Meaning::State),
+            Role::Variable => find(machine.variables.iter(), |v| named(&v.name))
                 .map(Meaning::Variable)
-                .or_else(|| find(machine.integers.iter(), |i| Some(i.span) == span).map(Meaning::Integer)),
-            Role::Event => find(machine.events.iter(), |e| Some(e.span) == span).map(Meaning::Event),
+                .or_else(|| find(machine.integers.iter(), |i| named(&i.name)).map(Meaning::Integer)),
+            Role::Event => find(machine.events.iter(), |e| named(&e.name)).map(Meaning::Event),
             Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
             Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
+            Role::Scan => Some(Meaning::Scan(ScanNumber::This)),
+            Role::FirstScan => Some(Meaning::Scan(ScanNumber::First)),
             Role::Noted => Some(Meaning::Mark(Mark::Noted)),
             Role::First => find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
                 .map(|c| Meaning::Mark(Mark::First(c))),
@@ -250,13 +250,35 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
         .chain(machine.integers.ids().map(Meaning::Integer))
         .chain(machine.outputs.ids().map(Meaning::Output))
         .chain(machine.safety.constraints.ids().map(Meaning::Alarm))
-        .chain(machine.safety.marks().map(Meaning::Mark));
+        .chain(machine.safety.marks().map(Meaning::Mark))
+        .chain(machine.safety.scan_numbers().map(Meaning::Scan));
     for meaning in wanted {
         let names: Vec<&str> = meanings.iter().filter(|(_, m)| *m == meaning).map(|(n, _)| n.as_str()).collect();
         if names.len() != 1 {
-            return Some(format!("{meaning:?} of the chart is called {names:?} in the program"));
+            return Err(format!("{meaning:?} of the chart is called {names:?} in the program"));
         }
     }
+    Ok(meanings)
+}
+
+/// Where a run of the machine and one of its program, written as XML and read back, first differ.
+/// Invalid models have no run.
+pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> Option<String> {
+    let options = Options { dialect, created: "1970-01-01T00:00:00".into(), prove: false };
+    let built = pipeline::build(source, &options).0?;
+    let machine = &built.machine;
+    let (read_back, problems) = read(&built.xml);
+    let Some(program) = read_back else {
+        return Some(format!("the XML cannot be read: {:?}", problems.iter().next().map(|p| &p.message)));
+    };
+    let variable = |name: &str| -> Option<VarId> {
+        program.variables.iter().find(|(_, v)| v.name.eq_ignore_ascii_case(name)).map(|(id, _)| id)
+    };
+
+    let meanings = match meanings(&built) {
+        Ok(meanings) => meanings,
+        Err(what) => return Some(what),
+    };
     let mut watched = Vec::new();
     for (name, meaning) in meanings {
         let Some(id) = variable(&name) else { return Some(format!("`{name}` is not in the XML")) };
@@ -284,6 +306,33 @@ pub fn disagreement(source: &str, seed: u64, scans: usize, dialect: Dialect) -> 
         }
     }
     None
+}
+
+/// Puts a model, its program, inputs and what the program has to make of them into files, if the model is valid:
+/// tables with a row per scan, and columns that are called like variables of the program.
+pub fn keep(source: &str, seed: u64, folder: &Path) {
+    let options = Options { dialect: Dialect::Beremiz, created: "1970-01-01T00:00:00".into(), prove: false };
+    let Some(built) = pipeline::build(source, &options).0 else { return };
+    let machine = &built.machine;
+    let meanings = meanings(&built).expect("all that the chart has is in the program");
+    let head = |names: &mut dyn Iterator<Item = &String>| names.fold("scan".to_owned(), |row, name| row + "," + name);
+    let mut inputs = vec![head(&mut machine.inputs.values().map(|i| &i.name))];
+    let mut expected = vec![head(&mut meanings.iter().map(|(name, _)| name))];
+    let mut chart = Chart::new(machine);
+    let mut values = Inputs::new(machine, seed);
+    for scan in 1..=KEPT {
+        let row = |values: &mut dyn Iterator<Item = i64>| values.fold(scan.to_string(), |row, v| format!("{row},{v}"));
+        let now = values.next();
+        inputs.push(row(&mut now.iter().map(|&v| i64::from(v))));
+        chart.scan(now);
+        expected.push(row(&mut meanings.iter().map(|(_, meaning)| meaning.of(&chart))));
+    }
+    std::fs::create_dir_all(folder).expect("the folder can be made");
+    let table = |rows: Vec<String>| rows.join("\n") + "\n";
+    let files = [("chart", source.to_owned()), ("xml", built.xml), ("inputs.csv", table(inputs))];
+    for (kind, text) in files.into_iter().chain([("expected.csv", table(expected))]) {
+        std::fs::write(folder.join(format!("{seed}.{kind}")), text).expect("files can be written");
+    }
 }
 
 fn find<T, I>(mut items: impl Iterator<Item = (I, T)>, is_it: impl Fn(&T) -> bool) -> Option<I> {

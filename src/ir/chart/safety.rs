@@ -57,6 +57,18 @@ pub enum Mark {
     First(ConstraintId),
 }
 
+/// A number that a filter with a reset keeps, for the operator; both are 0 before the first scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ScanNumber {
+    /// Which scan since power-up this is: the first one is 1. After [`LAST_SCAN`] comes 1 again.
+    This,
+    /// In which scan began what is [noted](Mark::Noted); 0 while nothing is.
+    First,
+}
+
+/// The highest number of a scan: what the type UDINT of IEC 61131-3 can hold.
+pub const LAST_SCAN: u32 = u32::MAX;
+
 /// A safety constraint: none of its products may be TRUE when the outputs are written.
 #[derive(Clone, Debug)]
 pub struct Constraint {
@@ -102,6 +114,11 @@ impl Safety {
     pub fn marks(&self) -> impl Iterator<Item = Mark> + '_ {
         let any = self.reset.is_some();
         std::iter::once(Mark::Noted).chain(self.constraints.ids().map(Mark::First)).filter(move |_| any)
+    }
+
+    /// The numbers that the filter keeps: both if it remembers anything.
+    pub fn scan_numbers(&self) -> impl Iterator<Item = ScanNumber> + '_ {
+        [ScanNumber::This, ScanNumber::First].into_iter().filter(|_| self.reset.is_some())
     }
 
     /// Whether a constraint that acts is an alarm.

@@ -5,15 +5,23 @@
 //! them. In a blocking filter `Noted` is called `Blocked`. There constraints are held against the commands
 //! themselves, before anything else is decided, and commands count only while `Blocked` is FALSE: so the
 //! stop is effective in the scan of the violation.
+//!
+//! Scans are numbered, and the number of the one in which `Noted` began is kept: `Scan := Scan + 1`, and
+//! `First_Scan := if Still then First_Scan else if Noted then Scan else 0`. What a PLC makes of a sum that
+//! does not fit is no question, since none is computed: at its end the count goes on from 0.
 
 use super::Filter;
 use crate::base::Span;
-use crate::ir::chart::{Atom, FilterMode};
+use crate::ir::chart::{Atom, FilterMode, LAST_SCAN};
 use crate::ir::expr::Expr;
-use crate::ir::ladder::CoilKind;
-use crate::ir::plc::{GlobalId, Role};
+use crate::ir::ladder::{CoilKind, Operand, Operator};
+use crate::ir::number::Relation;
+use crate::ir::plc::{Global, GlobalId, Role, Value};
 use crate::lower::context::{Condition, Context, origin};
 use crate::lower::rungs::rung;
+
+/// What the filter itself is called.
+const FILTER: &str = "safety filter";
 
 impl Filter {
     /// Holds the constraints against the commands and lets none of these count while the machine is
@@ -44,7 +52,7 @@ impl Filter {
     pub fn remember(&mut self, context: &mut Context<'_>, acted: &[GlobalId]) -> Option<GlobalId> {
         let machine = context.machine;
         let reset = machine.safety.reset?;
-        let about = || ("safety filter".to_owned(), machine.safety.span);
+        let about = || (FILTER.to_owned(), machine.safety.span);
         let blocking = machine.safety.mode == Some(FilterMode::Blocking);
         let (name, text) = if blocking {
             ("Blocked", "stopped by a violation, until the reset")
@@ -71,7 +79,36 @@ impl Filter {
         }
         let any = std::iter::once(still).chain(acted.iter().copied()).map(Expr::Atom);
         self.write(context, noted, &Expr::any(any.collect::<Vec<_>>()));
+        self.number(context, noted, still);
         Some(noted)
+    }
+
+    /// Numbers the scans and keeps the number of the one in which `noted` began.
+    fn number(&mut self, context: &mut Context<'_>, noted: GlobalId, still: GlobalId) {
+        let (this, first) = ("number of this scan since power-up", "number of the scan of the first violation, or 0");
+        let end = "the count of scans is at its end";
+        let scan = self.count(context, "Scan", Role::Scan, this);
+        let base = self.count(context, "Scan_Before", Role::Interim, "number of the scan before");
+        let now = self.count(context, "Scan_Noted", Role::Interim, "number of this scan if something is noted");
+        let kept = self.count(context, "First_Scan", Role::FirstScan, first);
+        let full = self.flag(context, "Scan_Ends", Role::Filter, (FILTER.to_owned(), context.machine.safety.span), end);
+        let (of, constant) = (Operand::Global, Operand::Const);
+        let mut compute = |operator, operands, coil: GlobalId| {
+            let text = context.globals[coil].description.clone();
+            context.function(&mut self.rungs, operator, operands, coil, text);
+        };
+        compute(Operator::Compare(Relation::Equal), vec![of(scan), constant(i64::from(LAST_SCAN))], full);
+        compute(Operator::Select, vec![of(full), of(scan), constant(0)], base);
+        compute(Operator::Add, vec![of(base), constant(1)], scan);
+        compute(Operator::Select, vec![of(noted), constant(0), of(scan)], now);
+        compute(Operator::Select, vec![of(still), of(now), of(kept)], kept);
+    }
+
+    /// A number of a scan.
+    fn count(&mut self, context: &mut Context<'_>, name: &str, role: Role, text: &str) -> GlobalId {
+        let name = context.names.fixed(name);
+        let (origin, description) = (origin(FILTER.to_owned(), context.machine.safety.span), text.to_owned());
+        context.globals.push(Global { name, address: None, initial: Value::Udint(0), role, description, origin })
     }
 
     fn flag(

@@ -23,9 +23,13 @@
 //!
 //! A blocking filter first holds the commands themselves against all products, which says which constraints
 //! act, and whether commands count as FALSE.
+//!
+//! A filter with a reset numbers the scans, and keeps the number of the one in which began what is noted.
 
 use super::code::{Code, HALF, Layout, Test, append, part};
-use crate::ir::chart::{ConstraintId, FilterMode, InputId, Machine, Mark, OutputId, Relief, outputs_of};
+use crate::ir::chart::{
+    ConstraintId, FilterMode, InputId, LAST_SCAN, Machine, Mark, OutputId, Relief, ScanNumber, outputs_of,
+};
 use std::ops::Range;
 
 /// A simple product: what an output must be while the tests hold.
@@ -75,6 +79,9 @@ pub struct Filter {
     /// Whether a constraint has acted since the last reset, and one bit for each that did so first.
     noted: bool,
     first_acted: Vec<u64>,
+    /// The number of this scan, and of the one in which that began.
+    scan: u32,
+    first_scan: u32,
     /// Commands that count.
     taken: Vec<u32>,
     rounds: u32,
@@ -99,6 +106,8 @@ impl Filter {
             reset: machine.safety.reset,
             noted: false,
             first_acted: vec![0; machine.safety.constraints.len().div_ceil(64)],
+            scan: 0,
+            first_scan: 0,
             taken: vec![0; words],
             rounds: 0,
             failed: false,
@@ -134,6 +143,7 @@ impl Filter {
 
     /// Decides the outputs in `words`; `commands` has a word of 32 for each word of outputs.
     pub fn decide(&mut self, words: &mut [u64], commands: &[u32]) {
+        self.scan = if self.scan == LAST_SCAN { 1 } else { self.scan + 1 };
         self.acted.fill(0);
         self.force(words, commands);
         self.failed = self.simple.iter().any(|f| f.off & f.on != 0);
@@ -157,6 +167,7 @@ impl Filter {
         if self.reset.is_some() && !held {
             self.noted = self.acted.iter().any(|&a| a != 0);
             self.first_acted.copy_from_slice(&self.acted);
+            self.first_scan = if self.noted { self.scan } else { 0 };
         }
     }
 
@@ -250,6 +261,14 @@ impl Filter {
         match mark {
             Mark::Noted => self.noted,
             Mark::First(c) => self.first_acted[c.index() / 64] >> (c.index() % 64) & 1 == 1,
+        }
+    }
+
+    /// A number that is kept after this scan.
+    pub fn scan_number(&self, number: ScanNumber) -> u32 {
+        match number {
+            ScanNumber::This => self.scan,
+            ScanNumber::First => self.first_scan,
         }
     }
 

@@ -1,10 +1,11 @@
 //! AIGER 1.9 (Biere, Heljanko, Wieringa, 2011), as text or in its binary form.
 //!
-//! It can say what never is; what is always possible it cannot, and the comment says so.
+//! It can say what never is, and what comes eventually: as what does not come again and again in a fair run, once
+//! that run has said that no answer is to come. What is always possible it cannot say, and the comment says so.
 
 use super::super::aig::Lit;
 use super::super::system::{Property, System};
-use super::{bads, gates, line, symbols};
+use super::{Told, bads, gates, line, symbols};
 use std::fmt::Write;
 
 /// The numbers that a system's nodes have in a file.
@@ -16,8 +17,9 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn new(system: &System) -> Numbers {
-        let gates = gates(system);
+    fn new(told: &Told) -> Numbers {
+        let system = &told.system;
+        let gates = gates(system, &told.justice);
         let mut of = vec![0; system.aig.len()];
         let leaves = system.inputs.iter().map(|i| i.leaf).chain(system.latches.iter().map(|l| l.leaf));
         let nodes = leaves.map(Lit::node).chain(gates.iter().map(|g| g.0));
@@ -34,15 +36,20 @@ impl Numbers {
     }
 
     /// The first line, latches, bads and constraints.
-    fn head(&self, system: &System, form: &str) -> String {
+    fn head(&self, told: &Told, form: &str) -> String {
+        let system = &told.system;
         let (inputs, latches, bads) = (system.inputs.len(), system.latches.len(), bads(system));
         let mut text = format!(
-            "{form} {} {inputs} {latches} 0 {} {} {}\n",
+            "{form} {} {inputs} {latches} 0 {} {} {}",
             self.highest,
             self.gates.len(),
             bads.len(),
             system.constraints.len()
         );
+        if !told.justice.is_empty() {
+            let _ = write!(text, " {} {}", told.justice.len(), told.fair().len());
+        }
+        text.push('\n');
         if form == "aag" {
             system.inputs.iter().for_each(|i| text += &format!("{}\n", self.lit(i.leaf)));
         }
@@ -62,6 +69,12 @@ impl Numbers {
         for &c in &system.constraints {
             let _ = writeln!(text, "{}", self.lit(c));
         }
+        // First how many literals each has, then all of them.
+        told.justice.iter().for_each(|_| text += "1\n");
+        let justice = told.justice.iter().map(|(_, l)| *l);
+        for l in justice.chain(told.fair().iter().map(|f| f.holds)) {
+            let _ = writeln!(text, "{}", self.lit(l));
+        }
         text
     }
 
@@ -76,18 +89,20 @@ impl Numbers {
 
 /// As text.
 pub fn ascii(system: &System) -> String {
-    let numbers = Numbers::new(system);
-    let mut text = numbers.head(system, "aag");
+    let told = Told::new(system);
+    let numbers = Numbers::new(&told);
+    let mut text = numbers.head(&told, "aag");
     for (gate, a, b) in numbers.gates() {
         let _ = writeln!(text, "{gate} {a} {b}");
     }
-    text + &names(system)
+    text + &names(&told)
 }
 
 /// In the binary form.
 pub fn binary(system: &System) -> Vec<u8> {
-    let numbers = Numbers::new(system);
-    let mut bytes = numbers.head(system, "aig").into_bytes();
+    let told = Told::new(system);
+    let numbers = Numbers::new(&told);
+    let mut bytes = numbers.head(&told, "aig").into_bytes();
     for (gate, a, b) in numbers.gates() {
         for mut difference in [gate - a, a - b] {
             while difference >= 0x80 {
@@ -97,12 +112,13 @@ pub fn binary(system: &System) -> Vec<u8> {
             bytes.push(difference as u8);
         }
     }
-    bytes.extend(names(system).into_bytes());
+    bytes.extend(names(&told).into_bytes());
     bytes
 }
 
 /// The symbol table and the comment.
-fn names(system: &System) -> String {
+fn names(told: &Told) -> String {
+    let system = &told.system;
     let mut text = String::new();
     let symbols = symbols(system);
     let (inputs, latches) = symbols.split_at(system.inputs.len());
@@ -114,10 +130,16 @@ fn names(system: &System) -> String {
     for (i, (name, _)) in bads(system).into_iter().enumerate() {
         let _ = writeln!(text, "b{i} {}", line(name));
     }
+    for (i, (name, _)) in told.justice.iter().enumerate() {
+        let _ = writeln!(text, "j{i} {}", line(name));
+    }
+    for (i, fair) in told.fair().iter().enumerate() {
+        let _ = writeln!(text, "f{i} {}", line(&fair.name));
+    }
     text += "c\nmade by chartwright\n";
     for claim in &system.claims {
         match claim.property {
-            Property::Never(_) => {}
+            Property::Never(_) | Property::Eventually { .. } => {}
             Property::AlwaysPossible(_) | Property::NeverStuck => {
                 let _ = writeln!(text, "left out, since AIGER cannot say it: {}", line(&claim.name));
             }

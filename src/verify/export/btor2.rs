@@ -2,7 +2,7 @@
 
 use super::super::aig::Lit;
 use super::super::system::System;
-use super::{bads, gates, symbols};
+use super::{Told, bads, gates, symbols};
 use std::fmt::Write;
 
 struct Writer {
@@ -36,6 +36,8 @@ impl Writer {
 
 /// As text. What is always possible cannot be said and is left out.
 pub fn write(system: &System) -> String {
+    let told = Told::new(system);
+    let system = &told.system;
     let mut w = Writer {
         text: "; made by chartwright\n".to_owned(),
         last: 0,
@@ -58,7 +60,7 @@ pub fn write(system: &System) -> String {
             w.line(&format!("init 1 {} {value}", w.of[latch.leaf.node()]));
         }
     }
-    for (n, a, b) in gates(system) {
+    for (n, a, b) in gates(system, &told.justice) {
         let (a, b) = (w.lit(a), w.lit(b));
         w.of[n] = w.line(&format!("and 1 {a} {b}"));
     }
@@ -73,6 +75,14 @@ pub fn write(system: &System) -> String {
     for (name, bad) in bads(system) {
         let bad = w.lit(bad);
         w.line(&format!("bad {bad} {}", symbol(name)));
+    }
+    for fair in told.fair() {
+        let holds = w.lit(fair.holds);
+        w.line(&format!("fair {holds} {}", symbol(&fair.name)));
+    }
+    for (name, recurs) in &told.justice {
+        let recurs = w.lit(*recurs);
+        w.line(&format!("justice 1 {recurs} {}", symbol(name)));
     }
     w.text
 }

@@ -9,6 +9,7 @@ pub mod smv;
 pub mod witness;
 
 use super::aig::{Lit, Node};
+use super::liveness::monitor;
 use super::system::{Property, System};
 use std::collections::BTreeMap;
 
@@ -19,13 +20,43 @@ fn bads(system: &System) -> Vec<(&str, Lit)> {
     bads.flatten().collect()
 }
 
-/// The gates on which anything depends, in topological order.
-fn gates(system: &System) -> Vec<(usize, Lit, Lit)> {
+/// A system in which a run says itself from where on an answer does not come: AIGER and BTOR2 know only what
+/// comes again and again.
+struct Told {
+    /// The system, with an input and latches more for each claim that something comes eventually.
+    system: System,
+    /// For each of these claims, in order, its name and what comes again and again in a fair run that refutes it.
+    justice: Vec<(String, Lit)>,
+}
+
+impl Told {
+    fn new(system: &System) -> Told {
+        let mut told = Told { system: system.clone(), justice: Vec::new() };
+        for claim in &system.claims {
+            if let Property::Eventually { after, then } = claim.property {
+                let recurs = monitor::doom(&mut told.system, &claim.name, after, then);
+                told.justice.push((claim.name.clone(), recurs));
+            }
+        }
+        told
+    }
+
+    /// What makes a run fair, where that matters.
+    fn fair(&self) -> &[super::Fairness] {
+        if self.justice.is_empty() { &[] } else { &self.system.fair }
+    }
+}
+
+/// The gates on which anything depends, `also` included, in topological order.
+fn gates(system: &System, also: &[(String, Lit)]) -> Vec<(usize, Lit, Lit)> {
     let mut roots = system.constraints.clone();
+    roots.extend(also.iter().map(|(_, l)| *l));
     roots.extend(system.latches.iter().map(|l| l.next));
-    roots.extend(system.claims.iter().filter_map(|c| match c.property {
-        Property::Never(l) | Property::AlwaysPossible(l) => Some(l),
-        Property::NeverStuck => None,
+    roots.extend(system.fair.iter().map(|f| f.holds));
+    roots.extend(system.claims.iter().flat_map(|c| match c.property {
+        Property::Never(l) | Property::AlwaysPossible(l) => vec![l],
+        Property::Eventually { after, then } => vec![after, then],
+        Property::NeverStuck => Vec::new(),
     }));
     let cone = system.aig.cone(&roots);
     let gate = |n: usize| if let Node::And(a, b) = system.aig.node(n) { Some((n, a, b)) } else { None };

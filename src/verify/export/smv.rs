@@ -1,4 +1,5 @@
-//! SMV, as NuSMV and nuXmv read it: the one form that can say what is always possible.
+//! SMV, as NuSMV and nuXmv read it: the one form that can say what is always possible. What comes eventually is
+//! said with what makes a run fair, so that no other claim is about fair runs only.
 //!
 //! Inputs are variables as well, so that a claim can speak of them; SMV asks that no run ends, which
 //! [`Property::NeverStuck`] says of a system.
@@ -45,7 +46,7 @@ pub fn write(system: &System) -> String {
     for leaf in leaves {
         let _ = writeln!(text, "  {} : boolean; -- {}", lit(leaf), line(system.name(leaf)));
     }
-    let gates = gates(system);
+    let gates = gates(system, &[]);
     if !gates.is_empty() {
         text += "DEFINE\n";
     }
@@ -68,6 +69,11 @@ pub fn write(system: &System) -> String {
         let _ = match claim.property {
             Property::Never(bad) => writeln!(text, "SPEC AG {}; -- {}", lit(!bad), line(&claim.name)),
             Property::AlwaysPossible(goal) => writeln!(text, "SPEC AG EF {}; -- {}", lit(goal), line(&claim.name)),
+            Property::Eventually { after, then } => {
+                let fair: String = system.fair.iter().map(|f| format!("G F {} & ", lit(f.holds))).collect();
+                let comes = format!("G ({} -> F {})", lit(after), lit(then));
+                writeln!(text, "LTLSPEC ({fair}TRUE) -> {comes}; -- {}", line(&claim.name))
+            }
             Property::NeverStuck => writeln!(text, "-- ask `check_fsm`: {}", line(&claim.name)),
         };
     }

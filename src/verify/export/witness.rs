@@ -1,49 +1,152 @@
-//! The runs that model checkers find, in the form of AIGER 1.9: `1`, the bads, the latches before the
-//! first scan, the inputs of each scan, `.`.
+//! The runs that model checkers find, in the form of AIGER 1.9 (`1`, the bad or justice, the latches before the
+//! first scan, the inputs of each scan, `.`) or of BTOR2 (`sat`, the same, frames of states `#0` and inputs `@0`, `.`).
+//!
+//! Files are written by others and may be cut off or damaged: all is checked, and an error says which line is wrong.
 
-use super::super::system::{System, Trace};
+use super::super::aig::lanes;
+use super::super::system::{Property, System, Trace};
+use super::Told;
+use std::fmt::Display;
 
 /// A run that another tool found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Witness {
-    /// Which of the claims that something never is it refutes, counted from 0.
-    pub bad: usize,
+    /// Which of the claims of the system it refutes, by index.
+    pub claim: usize,
     /// The run; nobody knows whether it is the shortest.
     pub trace: Trace,
 }
 
-/// Reads the first run in a text; `x` is read as FALSE. An error says which line is wrong. Whether the
-/// system does such a run is for a replay to tell.
-pub fn read(system: &System, text: &str) -> Result<Witness, String> {
+/// Reads the first run in a text, in whichever form it is; what is left open is read as FALSE. Whether the system does
+/// such a run is for a replay to tell. With `named` it is about that claim, whatever the text says: tools that are given one
+/// claim alone count from it.
+pub fn read(system: &System, text: &str, named: Option<usize>) -> Result<Witness, String> {
     let lines = text.lines().enumerate().map(|(i, l)| (i + 1, l.trim()));
-    // Tools talk before and after. A line may be empty: there are systems without inputs.
-    let mut lines = lines.filter(|(_, l)| !l.starts_with('c')).skip_while(|&(_, l)| l != "1");
-    if lines.next().is_none() {
-        return Err("there is no line `1`, so no run".to_owned());
+    // Tools talk before and after.
+    let mut lines = lines.filter(|(_, l)| !l.starts_with(['c', ';'])).skip_while(|&(_, l)| !is_head(l));
+    let told = Told::new(system);
+    match lines.next() {
+        Some((_, "1")) => aiger(system, &told.system, named, &mut lines),
+        Some((_, "sat")) => btor2(system, &told.system, named, &mut lines),
+        Some((number, line)) => Err(format!("line {number}: `{line}` says that there is no run")),
+        None => Err("there is no line `1` or `sat`, so no run".to_owned()),
     }
-    let (number, bads) = lines.next().ok_or("the text ends before a run")?;
-    let bad = bads.split_whitespace().find_map(|b| b.strip_prefix('b')).and_then(|b| b.parse().ok());
-    let bad = bad.ok_or(format!("line {number}: there is no bad, such as `b0`"))?;
-    let bits = |(number, line): (usize, &str), count: usize, what: &str| -> Result<Vec<bool>, String> {
+}
+
+fn is_head(line: &str) -> bool {
+    matches!(line, "0" | "1" | "2" | "sat" | "unsat" | "unknown")
+}
+
+type Line<'t> = (usize, &'t str);
+
+const ENDS: &str = "the run does not end with `.`";
+
+fn wrong(number: usize, what: impl Display) -> String {
+    format!("line {number}: {what}")
+}
+
+/// The claim that a line such as `b0` or `j1` names.
+fn claim(system: &System, named: Option<usize>, line: Option<Line<'_>>) -> Result<usize, String> {
+    let (number, line) = line.ok_or("the text ends before a run")?;
+    let words = line.split_whitespace().find_map(|word| {
+        let kind = word.chars().next().filter(|c| matches!(c, 'b' | 'j'))?;
+        word[1..].parse::<usize>().ok().map(|index| (kind, index))
+    });
+    let (kind, index) =
+        words.ok_or_else(|| wrong(number, "there is neither a bad such as `b0` nor a justice such as `j0`"))?;
+    if let Some(claim) = named {
+        return Ok(claim);
+    }
+    let of_kind = |property: Property| match property {
+        Property::Never(_) => kind == 'b',
+        Property::Eventually { .. } => kind == 'j',
+        Property::AlwaysPossible(_) | Property::NeverStuck => false,
+    };
+    let mut claims = (0..system.claims.len()).filter(|&i| of_kind(system.claims[i].property));
+    claims.nth(index).ok_or_else(|| wrong(number, format_args!("the model has no claim `{kind}{index}`")))
+}
+
+/// The run without what was added for the other tool.
+fn bare(system: &System, mut initial: Vec<bool>, mut inputs: Vec<Vec<bool>>) -> Trace {
+    initial.truncate(system.latches.len());
+    inputs.iter_mut().for_each(|scan| scan.truncate(system.inputs.len()));
+    Trace { initial, inputs, shortest: false }
+}
+
+fn aiger<'t>(
+    system: &System,
+    told: &System,
+    named: Option<usize>,
+    lines: &mut dyn Iterator<Item = Line<'t>>,
+) -> Result<Witness, String> {
+    let claim = claim(system, named, lines.next())?;
+    let bits = |(number, line): Line<'_>, count: usize, what: &str| -> Result<Vec<bool>, String> {
         if line.len() != count || line.chars().any(|c| !matches!(c, '0' | '1' | 'x')) {
-            return Err(format!("line {number}: these are not the {count} {what} of the system"));
+            return Err(wrong(number, format_args!("these are not the {count} {what} of the system")));
         }
         Ok(line.chars().map(|c| c == '1').collect())
     };
+    let initial = bits(lines.next().ok_or(ENDS)?, told.latches.len(), "latches")?;
     let mut inputs = Vec::new();
-    let mut initial = None;
+    for line in lines {
+        if line.1 == "." {
+            return Ok(Witness { claim, trace: bare(system, initial, inputs) });
+        }
+        inputs.push(bits(line, told.inputs.len(), "inputs")?);
+    }
+    Err(ENDS.to_owned())
+}
+
+fn btor2<'t>(
+    system: &System,
+    told: &System,
+    named: Option<usize>,
+    lines: &mut dyn Iterator<Item = Line<'t>>,
+) -> Result<Witness, String> {
+    let claim = claim(system, named, lines.next())?;
+    let mut initial: Vec<bool> = told.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
+    let mut inputs: Vec<Vec<bool>> = Vec::new();
+    // Whether states are being told, and of which scan.
+    let mut frame: Option<(bool, usize)> = None;
     for (number, line) in lines {
         if line == "." {
-            let initial = initial.ok_or(format!("line {number}: the run has no beginning"))?;
-            return Ok(Witness { bad, trace: Trace { initial, inputs, shortest: false } });
+            return Ok(Witness { claim, trace: bare(system, initial, inputs) });
         }
-        if initial.is_none() {
-            initial = Some(bits((number, line), system.latches.len(), "latches")?);
-        } else {
-            inputs.push(bits((number, line), system.inputs.len(), "inputs")?);
+        if let Some(scan) = line.strip_prefix(['#', '@']) {
+            let scan: usize = scan.parse().map_err(|_| wrong(number, "a frame has a number, such as `@0`"))?;
+            let states = line.starts_with('#');
+            if !states {
+                if scan != inputs.len() {
+                    return Err(wrong(number, format_args!("the inputs of scan {} are missing", inputs.len())));
+                }
+                inputs.push(vec![false; told.inputs.len()]);
+            }
+            frame = Some((states, scan));
+            continue;
         }
+        let Some((states, scan)) = frame else {
+            return Err(wrong(number, "a value stands before the first frame, such as `#0` or `@0`"));
+        };
+        let mut words = line.split_whitespace();
+        let index = words.next().and_then(|w| w.parse::<usize>().ok());
+        let value = match words.next() {
+            Some("1") => Some(true),
+            Some("0" | "x") => Some(false),
+            _ => None,
+        };
+        let (Some(index), Some(value)) = (index, value) else {
+            return Err(wrong(number, "a value is the number of an input or state, and `0` or `1`"));
+        };
+        let place = match states {
+            // What states are later follows.
+            true if scan > 0 => continue,
+            true => initial.get_mut(index),
+            false => inputs.last_mut().and_then(|scan| scan.get_mut(index)),
+        };
+        let what = if states { "state" } else { "input" };
+        *place.ok_or_else(|| wrong(number, format_args!("the system has no {what} {index}")))? = value;
     }
-    Err("the run does not end with `.`".to_owned())
+    Err(ENDS.to_owned())
 }
 
 /// Writes a run for tools that check it.
@@ -55,4 +158,37 @@ pub fn write(bad: usize, trace: &Trace) -> String {
         text.push('\n');
     }
     text + ".\n"
+}
+
+/// The run up to where it shows the violation of the claim, or why it shows none.
+pub fn judge(system: &System, witness: &Witness) -> Result<Trace, String> {
+    let Witness { claim, trace } = witness;
+    let property = system.claims[*claim].property;
+    for (i, latch) in system.latches.iter().enumerate() {
+        if latch.initial.is_some_and(|value| trace.initial.get(i) != Some(&value)) {
+            return Err(format!("no run begins with this value of `{}`", system.name(latch.leaf)));
+        }
+    }
+    let up_to = |scans: usize| Trace { inputs: trace.inputs[..scans].to_vec(), ..trace.clone() };
+    let scans = trace.inputs.len();
+    let Some(replay) = system.replay(trace) else {
+        // What a beginning does, a shorter one does.
+        let all: Vec<usize> = (1..=scans).collect();
+        let broken = all.partition_point(|&scans| system.replay(&up_to(scans)).is_some()) + 1;
+        return Err(format!("scan {broken} breaks an assumption or what the plant can do"));
+    };
+    match property {
+        Property::Never(bad) => {
+            let shown = replay.values.iter().position(|values| lanes(values, bad) & 1 == 1);
+            if let Some(scan) = shown {
+                return Ok(up_to(scan + 1));
+            }
+        }
+        Property::Eventually { .. } if system.shows(trace, property) => return Ok(trace.clone()),
+        Property::Eventually { .. } | Property::AlwaysPossible(_) | Property::NeverStuck => {}
+    }
+    Err(match property {
+        Property::Eventually { .. } => "the run does not come to a fair loop without an answer".to_owned(),
+        _ => format!("in none of its {scans} scans the claim is violated"),
+    })
 }

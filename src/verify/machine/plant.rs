@@ -5,14 +5,19 @@
 //! one, and otherwise as long as it likes. A rule with a delay fires in any scan in which its condition holds
 //! as it did in the scan before, or does not fire. So everything that the plant can do at any speed is covered, and
 //! more: a counterexample may need an actuator that stands still.
+//!
+//! A plant that goes by steps is left to [`steps`].
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
-use crate::ir::chart::{Atom, Machine};
-use crate::ir::scenario::{Condition, Given, Seen, Travel, Valve};
+use super::steps::{self, Turn};
+use crate::bits::vector::{self, Vector};
+use crate::ir::chart::{ActuatorId, Atom, Machine};
+use crate::ir::scenario::{Condition, Count, Counted, Given, Rule, Seen, Travel, Valve};
+use crate::prove::chart_numbers::compare_of;
 use crate::prove::chart_step::ChartState;
 
-/// What stands at the terminals when the program samples.
+/// What stands at the terminals when the program samples, and what is hidden behind them.
 pub struct Terminals {
     /// For each input, its value.
     pub inputs: Vec<Lit>,
@@ -20,9 +25,14 @@ pub struct Terminals {
     pub bits: Vec<Lit>,
     /// For each hidden bit, its value in the scan before.
     pub past_bits: Vec<Lit>,
+    /// For each hidden integer, its value.
+    pub counts: Vec<Vector>,
+    /// Whose turn it is.
+    pub turn: Turn,
 }
 
-/// Lets the plant move under the outputs of the scan before; with `open` it gives nothing.
+/// Lets the plant move under the outputs of the scan before; with `open` it gives nothing. In a plant that goes by
+/// steps, hidden values are those after whatever happens, and inputs are those that are read if that happens.
 pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &ChartState, open: bool) -> Terminals {
     let plant = &machine.plant;
     let gives = if open { vec![false; machine.inputs.len()] } else { plant.gives(machine.inputs.len()) };
@@ -46,28 +56,148 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
     for (id, bit) in plant.bits.iter() {
         if !open {
             memory.push((system.latches.len(), Given::Bit(id)));
-            bits.push(system.latch(&bit.name, Some(begins(Given::Bit(id)))));
+            let initial = (!plant.unknown.contains(&id)).then(|| begins(Given::Bit(id)));
+            bits.push(system.latch(&bit.name, initial));
         } else {
             bits.push(system.input(&bit.name, Giver::Plant));
         }
     }
+    let count_latches: Vec<(usize, Vector)> =
+        plant.counts.values().map(|c| (system.latches.len(), count(system, c, open))).collect();
+    let (count_latches, counts): (Vec<usize>, Vec<Vector>) = count_latches.into_iter().unzip();
     let past_bits = bits.clone();
     if open {
-        return Terminals { inputs, bits, past_bits };
+        return Terminals { inputs, bits, past_bits, counts, turn: Turn::always() };
     }
+    let first_earlier = system.latches.len();
     let mut earlier = Vec::new();
     for (id, output) in machine.outputs.iter() {
         let latch = system.latches.len();
         earlier.push(system.latch(format!("prev(prev({}))", output.name), Some(false)));
         system.latches[latch].next = before.outputs[id.index()];
     }
-    let mut terminals = Moving { started, outputs: &before.outputs, earlier, inputs, past_inputs, bits, past_bits };
+    let outputs = before.outputs.clone();
+    let mut terminals = Moving {
+        machine,
+        started,
+        outputs,
+        earlier,
+        first_earlier,
+        inputs,
+        past_inputs,
+        bits,
+        past_bits,
+        counts,
+        count_latches,
+    };
+    if plant.by_steps {
+        return steps::live(system, terminals, &memory);
+    }
     for travel in &plant.travels {
-        terminals.travel(system, machine, travel);
+        terminals.travel(system, travel);
     }
     for (i, rule) in plant.rules.iter().enumerate() {
-        let now = terminals.value(rule.target);
-        let holds = terminals.holds(&mut system.aig, &rule.condition);
+        terminals.rule(system, i, rule, Lit::TRUE);
+    }
+    for (latch, given) in memory {
+        system.latches[latch].next = terminals.value(given);
+    }
+    let Moving { inputs, bits, past_bits, counts, .. } = terminals;
+    Terminals { inputs, bits, past_bits, counts, turn: Turn::always() }
+}
+
+/// A hidden integer: how far it is above its lowest value.
+fn count(system: &mut System, count: &Count, open: bool) -> Vector {
+    let (lowest, most) = (count.range.lowest, count.range.highest - count.range.lowest);
+    let mut offset = Vector::new();
+    for i in 0..width(count) {
+        let name = format!("bit {i} of {}", count.name);
+        offset.push(if open {
+            system.input(name, Giver::Plant)
+        } else {
+            let latch = system.latches.len();
+            let bit = system.latch(name, Some((count.initial - lowest) >> i & 1 == 1));
+            system.latches[latch].next = bit;
+            bit
+        });
+    }
+    offset.push(Lit::FALSE);
+    if open {
+        let beyond = vector::less(&mut system.aig, &vector::constant(most), &offset);
+        system.constraints.push(!beyond);
+    }
+    if lowest == 0 { offset } else { vector::add(&mut system.aig, &vector::constant(lowest), &offset) }
+}
+
+/// How many bits tell the values of a hidden integer apart.
+pub fn width(count: &Count) -> usize {
+    let most = count.range.highest - count.range.lowest;
+    (0..).find(|&i| most >> i == 0).unwrap_or(0)
+}
+
+/// The plant while it moves.
+pub struct Moving<'m> {
+    /// Whose plant it is.
+    pub machine: &'m Machine,
+    /// Whether a scan has run before.
+    pub started: Lit,
+    /// What stands at the terminals.
+    pub outputs: Vec<Lit>,
+    /// What stood there a scan earlier.
+    pub earlier: Vec<Lit>,
+    /// The first of the latches that keep that.
+    pub first_earlier: usize,
+    /// For each input, its value as far as the plant has come.
+    pub inputs: Vec<Lit>,
+    /// For each input, what the program read last.
+    pub past_inputs: Vec<Lit>,
+    /// For each hidden bit, its value as far as the plant has come.
+    pub bits: Vec<Lit>,
+    /// For each hidden bit, its value in the scan before.
+    pub past_bits: Vec<Lit>,
+    /// For each hidden integer, its value as far as the plant has come.
+    pub counts: Vec<Vector>,
+    /// For each hidden integer, the first of its latches.
+    pub count_latches: Vec<usize>,
+}
+
+impl Moving<'_> {
+    /// Where the value of an input or hidden bit is kept.
+    pub fn place(&mut self, given: Given) -> &mut Lit {
+        match given {
+            Given::Input(i) => &mut self.inputs[i.index()],
+            Given::Bit(b) => &mut self.bits[b.index()],
+        }
+    }
+
+    /// The value of an input or hidden bit.
+    pub fn value(&mut self, given: Given) -> Lit {
+        *self.place(given)
+    }
+
+    /// Whether a condition of the plant holds as far as it has come.
+    pub fn holds(&self, aig: &mut Aig, condition: &Condition) -> Lit {
+        aig.expression(condition, &mut |aig, &seen| match seen {
+            Seen::Machine(Atom::Input(i)) => self.inputs[i.index()],
+            Seen::Machine(Atom::PrevInput(i)) => self.past_inputs[i.index()],
+            Seen::Machine(Atom::Output(o)) => self.outputs[o.index()],
+            Seen::Machine(Atom::PrevOutput(o)) => self.earlier[o.index()],
+            Seen::Bit(b) => self.bits[b.index()],
+            Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::Compare(c) => compare_of(aig, &self.machine.plant.comparisons[c], &|&counted| match counted {
+                Counted::Hidden(c) => self.counts[c.index()].clone(),
+                Counted::Program(_) => unreachable!("a plant knows nothing of the program"),
+            }),
+            Seen::Machine(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => {
+                unreachable!("a plant knows nothing of the program")
+            }
+        })
+    }
+
+    /// Tries a rule; what it counts goes on only when it is its `turn`.
+    pub fn rule(&mut self, system: &mut System, i: usize, rule: &Rule, turn: Lit) {
+        let now = self.value(rule.target);
+        let holds = self.holds(&mut system.aig, &rule.condition);
         let differs = now.xor(rule.value);
         let pending = system.aig.and(holds, differs);
         let fires = if rule.delay == 0 {
@@ -78,92 +208,81 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
             let time = system.input(format!("rule {} fires", i + 1), Giver::Plant);
             let ripe = system.aig.and(held, time);
             let fires = system.aig.and(pending, ripe);
-            system.latches[latch].next = system.aig.and(pending, !fires);
+            // A rule whose condition holds for ever acts.
+            let acts = system.aig.or(!pending, fires);
+            system.fairness(format!("rule {}", i + 1), acts);
+            let waits = system.aig.and(pending, !fires);
+            system.latches[latch].next = system.aig.select(turn, waits, held);
             fires
         };
         let value = system.aig.select(fires, Lit::of(rule.value), now);
-        *terminals.place(rule.target) = value;
-    }
-    for (latch, given) in memory {
-        system.latches[latch].next = terminals.value(given);
-    }
-    let Moving { inputs, bits, past_bits, .. } = terminals;
-    Terminals { inputs, bits, past_bits }
-}
-
-/// The plant while it moves.
-struct Moving<'a> {
-    started: Lit,
-    /// What was written in the scan before.
-    outputs: &'a [Lit],
-    /// What was written a scan earlier.
-    earlier: Vec<Lit>,
-    inputs: Vec<Lit>,
-    past_inputs: Vec<Lit>,
-    bits: Vec<Lit>,
-    past_bits: Vec<Lit>,
-}
-
-impl Moving<'_> {
-    fn place(&mut self, given: Given) -> &mut Lit {
-        match given {
-            Given::Input(i) => &mut self.inputs[i.index()],
-            Given::Bit(b) => &mut self.bits[b.index()],
-        }
+        *self.place(rule.target) = value;
     }
 
-    fn value(&mut self, given: Given) -> Lit {
-        *self.place(given)
+    /// For each position of an actuator, whether its output alone is TRUE, and whether any is, under these outputs.
+    pub fn driven(&self, aig: &mut Aig, actuator: ActuatorId, outputs: &[Lit]) -> ([Lit; 2], Lit) {
+        let positions = &self.machine.actuators[actuator].positions;
+        let driven = |p: usize| positions[p].output.map_or(Lit::FALSE, |o| outputs[o.index()]);
+        let (first, second) = (driven(0), driven(1));
+        ([aig.and(first, !second), aig.and(second, !first)], aig.or(first, second))
     }
 
-    fn holds(&self, aig: &mut Aig, condition: &Condition) -> Lit {
-        aig.expression(condition, &mut |_, &seen| match seen {
-            Seen::Machine(Atom::Input(i)) => self.inputs[i.index()],
-            Seen::Machine(Atom::PrevInput(i)) => self.past_inputs[i.index()],
-            Seen::Machine(Atom::Output(o)) => self.outputs[o.index()],
-            Seen::Machine(Atom::PrevOutput(o)) => self.earlier[o.index()],
-            Seen::Bit(b) => self.bits[b.index()],
-            Seen::PrevBit(b) => self.past_bits[b.index()],
-            Seen::Machine(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => {
-                unreachable!("a plant knows nothing of the program")
-            }
+    /// For each position of an actuator, a latch that says whether it is ordered there. The caller says what it becomes.
+    pub fn order(&self, system: &mut System, actuator: ActuatorId) -> [Lit; 2] {
+        let actuator = &self.machine.actuators[actuator];
+        [0, 1].map(|p| {
+            system.latch(format!("{} was ordered to {}", actuator.name, actuator.positions[p].name), Some(false))
         })
     }
 
+    /// Whether the actuator moves to each of its positions, if it is not there.
+    pub fn toward(&self, aig: &mut Aig, travel: &Travel, ordered: [Lit; 2]) -> [Lit; 2] {
+        let power = self.holds(aig, &travel.power);
+        let out = aig.and(ordered[1], power);
+        // A spring needs nothing to go back.
+        let back = if travel.valve == Valve::Spring { !out } else { aig.and(ordered[0], power) };
+        [back, out]
+    }
+
+    /// For each position of an actuator, a latch that says whether it is there. The caller says what it becomes.
+    pub fn at(&self, system: &mut System, id: ActuatorId) -> [Lit; 2] {
+        let actuator = &self.machine.actuators[id];
+        let places = &self.machine.plant.places;
+        let beginning = places.iter().rev().find(|(a, _)| *a == id).map_or(0, |&(_, position)| position);
+        [0, 1].map(|p| {
+            system.latch(format!("{} is at {}", actuator.name, actuator.positions[p].name), Some(p == beginning))
+        })
+    }
+
+    /// Sensors follow from where the actuator is.
+    pub fn sense(&mut self, travel: &Travel, at: [Lit; 2]) {
+        for sensor in &travel.sensors {
+            self.inputs[sensor.input.index()] = at[sensor.position].xor(!sensor.there);
+        }
+    }
+
     /// One actuator: where it is ordered, and where it may be then.
-    fn travel(&mut self, system: &mut System, machine: &Machine, travel: &Travel) {
-        let actuator = &machine.actuators[travel.actuator];
-        let driven = |p: usize| actuator.positions[p].output.map_or(Lit::FALSE, |o| self.outputs[o.index()]);
-        let (first, second) = (driven(0), driven(1));
-        let aig = &mut system.aig;
-        let alone = [aig.and(first, !second), aig.and(second, !first)];
-        let some = aig.or(first, second);
-        let spring = travel.valve == Valve::Spring;
+    fn travel(&mut self, system: &mut System, travel: &Travel) {
+        let actuator = &self.machine.actuators[travel.actuator];
+        let (alone, some) = self.driven(&mut system.aig, travel.actuator, &self.outputs);
         let ordered = match travel.valve {
             Valve::WhileDriven => alone,
             Valve::Spring => [!some, some],
-            Valve::Keeps => [0, 1].map(|p| {
-                let latch = system.latches.len();
-                let last = system
-                    .latch(format!("{} was ordered to {}", actuator.name, actuator.positions[p].name), Some(false));
-                let stays = system.aig.and(last, !alone[1 - p]);
-                let order = system.aig.or(alone[p], stays);
-                system.latches[latch].next = order;
-                order
-            }),
+            Valve::Keeps => {
+                let latches = system.latches.len();
+                let last = self.order(system, travel.actuator);
+                [0, 1].map(|p| {
+                    let stays = system.aig.and(last[p], !alone[1 - p]);
+                    let order = system.aig.or(alone[p], stays);
+                    system.latches[latches + p].next = order;
+                    order
+                })
+            }
         };
-        let power = self.holds(&mut system.aig, &travel.power);
-        let aig = &mut system.aig;
-        let out = aig.and(ordered[1], power);
-        // A spring needs nothing to go back.
-        let back = if spring { !out } else { aig.and(ordered[0], power) };
-        let toward = [aig.and(back, self.started), aig.and(out, self.started)];
-        let beginning =
-            machine.plant.places.iter().rev().find(|(a, _)| *a == travel.actuator).map_or(0, |&(_, position)| position);
+        let toward = self.toward(&mut system.aig, travel, ordered);
+        let toward = toward.map(|t| system.aig.and(t, self.started));
         let latches = system.latches.len();
-        let at = [0, 1].map(|p| {
-            system.latch(format!("{} is at {}", actuator.name, actuator.positions[p].name), Some(p == beginning))
-        });
+        let at = self.at(system, travel.actuator);
         let leaves = system.input(format!("{} gets away", actuator.name), Giver::Plant);
         let arrives = system.input(format!("{} arrives", actuator.name), Giver::Plant);
         let aig = &mut system.aig;
@@ -183,8 +302,12 @@ impl Moving<'_> {
         for p in [0, 1] {
             system.latches[latches + p].next = then[p];
         }
-        for sensor in &travel.sensors {
-            self.inputs[sensor.input.index()] = then[sensor.position].xor(!sensor.there);
+        for p in [0, 1] {
+            // An actuator that is ordered for ever arrives.
+            let there = system.aig.or(!toward[p], then[p]);
+            let actuator = &self.machine.actuators[travel.actuator];
+            system.fairness(format!("{} to {}", actuator.name, actuator.positions[p].name), there);
         }
+        self.sense(travel, then);
     }
 }

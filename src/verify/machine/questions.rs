@@ -4,8 +4,8 @@ use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
 use super::{Program, Subject, View};
 use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
-use crate::ir::scenario::{Condition, PropertyKind, Seen};
-use crate::prove::chart_numbers::compare;
+use crate::ir::scenario::{Condition, Counted, PropertyKind, Seen};
+use crate::prove::chart_numbers::{compare, compare_of};
 use std::collections::BTreeSet;
 
 /// One question. Where nothing else is said, the claim of the system says that it never is.
@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 pub enum Question {
     /// A property of the machine, by index.
     Declared(usize),
+    /// Whether what the property of that index speaks of, its `after`, happens in some fair run; else it says nothing.
+    Arises(usize),
     /// Whether the outputs violate the constraint in spite of the filter.
     Violated(ConstraintId),
     /// Whether inputs that the assumptions allow always exist; the claim says that no run gets stuck.
@@ -34,7 +36,7 @@ impl Question {
     pub fn hopes_for_a_run(self, machine: &Machine) -> bool {
         match self {
             Question::Declared(i) => machine.properties[i].kind == PropertyKind::Reachable,
-            Question::Active(_) | Question::Fires(_) => true,
+            Question::Active(_) | Question::Fires(_) | Question::Arises(_) => true,
             Question::Violated(_)
             | Question::Assumable
             | Question::Moves
@@ -47,7 +49,11 @@ impl Question {
     pub fn is_demand(self) -> bool {
         match self {
             Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => true,
-            Question::Active(_) | Question::Fires(_) | Question::Together(..) | Question::Acts(_) => false,
+            Question::Arises(_)
+            | Question::Active(_)
+            | Question::Fires(_)
+            | Question::Together(..)
+            | Question::Acts(_) => false,
         }
     }
 }
@@ -57,31 +63,43 @@ impl Subject<'_> {
     pub(super) fn ask_about_outputs(&mut self, program: Program) {
         let machine = self.machine;
         for (i, p) in machine.properties.iter().enumerate() {
-            if program == Program::Any && reads_states(&p.condition) {
+            // Nobody can expect something of a program of which nothing is known.
+            let eventually = matches!(p.kind, PropertyKind::Eventually | PropertyKind::Fair);
+            if program == Program::Any && (eventually || reads_states(machine, &p.condition)) {
                 continue;
             }
-            let holds = self.view.holds(&mut self.system.aig, machine, &p.condition);
+            let aig = &mut self.system.aig;
+            let holds = self.view.holds(aig, machine, &p.condition);
+            let looked = self.view.looked(machine, &p.condition);
+            let (holds, fails) = (aig.and(holds, looked), aig.and(!holds, looked));
             let property = match p.kind {
                 PropertyKind::Never | PropertyKind::Reachable => Property::Never(holds),
-                PropertyKind::Always => Property::Never(!holds),
+                PropertyKind::Always => Property::Never(fails),
                 PropertyKind::AlwaysPossible => Property::AlwaysPossible(holds),
+                PropertyKind::Eventually => {
+                    let aig = &mut self.system.aig;
+                    let after = p.after.as_ref().map_or(Lit::TRUE, |after| self.view.holds(aig, machine, after));
+                    let arises = Property::Eventually { after, then: Lit::FALSE };
+                    self.ask(Question::Arises(i), format!("{} is void", p.name), arises);
+                    Property::Eventually { after, then: holds }
+                }
+                PropertyKind::Fair => {
+                    self.system.fairness(p.name.clone(), holds);
+                    continue;
+                }
             };
             self.ask(Question::Declared(i), p.name.clone(), property);
         }
         for (id, constraint) in machine.safety.constraints.iter() {
-            // An observer may step between the filter and the end of the scan, where the condition is read.
-            let mut observes = false;
-            constraint
-                .never
-                .for_each_atom(&mut |atom| observes |= matches!(atom, Atom::Compare(_) | Atom::In(_) | Atom::Done(_)));
-            if observes {
-                continue;
-            }
             let violated = self.view.constraint(&mut self.system.aig, &constraint.never);
+            let violated = self.system.aig.and(violated, self.view.turn.reading);
             self.ask(Question::Violated(id), format!("{} is violated", constraint.name), Property::Never(violated));
         }
         if !machine.safety.assumptions.is_empty() {
-            self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), Property::NeverStuck);
+            // A plant that goes by steps may always have one to take.
+            let reading = self.view.turn.reading;
+            let kept = if reading == Lit::TRUE { Property::NeverStuck } else { Property::AlwaysPossible(reading) };
+            self.ask(Question::Assumable, "the assumptions can be kept".to_owned(), kept);
         }
     }
 
@@ -113,11 +131,13 @@ impl Subject<'_> {
     }
 }
 
-/// Whether a condition asks for states, of which an unknown program has none.
-fn reads_states(condition: &Condition) -> bool {
+/// Whether a condition asks for states of charts, of which an unknown program has none.
+fn reads_states(machine: &Machine, condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        reads |= matches!(seen, Seen::Machine(Atom::In(_) | Atom::Done(_) | Atom::Event(_) | Atom::Compare(_)));
+        if let Seen::Machine(Atom::In(s) | Atom::Done(s)) = *seen {
+            reads |= !machine.observes(s);
+        }
     });
     reads
 }
@@ -147,12 +167,35 @@ fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
 }
 
 impl View {
+    /// Whether this is a moment at which a property is looked at. What reads hidden values, and what is seen of the
+    /// last scan, is looked at after each step of a plant, too; what reads how it came to that, only after scans.
+    fn looked(&self, machine: &Machine, condition: &Condition) -> Lit {
+        let (mut hidden, mut scans) = (true, false);
+        condition.for_each_atom(&mut |&seen| {
+            scans |= seen.is_past() || matches!(seen, Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_));
+            hidden &= match seen {
+                Seen::Bit(_) => true,
+                Seen::Compare(c) => machine.plant.comparisons[c].is_hidden(),
+                _ => false,
+            };
+        });
+        match (scans, hidden) {
+            (true, _) => self.turn.reading,
+            (false, true) => Lit::TRUE,
+            (false, false) => self.begun,
+        }
+    }
+
     /// A condition at the end of the scan.
     fn holds(&self, aig: &mut Aig, machine: &Machine, condition: &Condition) -> Lit {
         aig.expression(condition, &mut |aig, &seen| match seen {
             Seen::Machine(atom) => self.atom(aig, machine, atom),
             Seen::Bit(b) => self.bits[b.index()],
             Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::Compare(c) => compare_of(aig, &machine.plant.comparisons[c], &|&counted| match counted {
+                Counted::Program(i) => self.scan.after.integers[i.index()].clone(),
+                Counted::Hidden(c) => self.counts[c.index()].clone(),
+            }),
             Seen::Mark(mark) => {
                 self.scan.after.marks[match mark {
                     Mark::Noted => 0,
@@ -164,9 +207,13 @@ impl View {
         })
     }
 
-    /// The condition of a constraint, which knows no states.
+    /// The condition of a constraint as it is when the outputs have been decided. Observers may still step after
+    /// that.
     fn constraint(&self, aig: &mut Aig, never: &Guard) -> Lit {
-        aig.expression(never, &mut |_, &atom| self.signal(atom).expect("constraints read signals only"))
+        aig.expression(never, &mut |_, &atom| match atom {
+            Atom::Output(o) => self.scan.after.outputs[o.index()],
+            other => self.scan.readings[&other],
+        })
     }
 
     fn signal(&self, atom: Atom) -> Option<Lit> {

@@ -187,10 +187,11 @@ impl Model {
         if bistable && self.states[target].region == region && !self.rng.chance(10) {
             return;
         }
-        let (priority, guard, effects) = (self.priority(), self.timed(1), self.effects(scope));
+        let (history, priority) = (self.history(target), self.priority());
+        let (guard, effects) = (self.timed(1), self.effects(scope));
         let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
         let to = &self.states[target].name;
-        self.put(region, format!("from any to {to}{priority} when {edge} and {guard}{effects}"));
+        self.put(region, format!("from any to {history}{to}{priority} when {edge} and {guard}{effects}"));
     }
 
     /// Writes a transition into a region; one that belongs to a parallel state may stand beside them.
@@ -215,8 +216,15 @@ impl Model {
     /// What happens once, if there is something that may be written in the region.
     fn deeds(&mut self, region: usize) -> Option<String> {
         let mut variables = self.regions[region].variables.clone();
+        if self.rng.chance(30)
+            && let Some(event) = self.request()
+        {
+            return Some(format!("raise {event}"));
+        }
         if self.events > 0 && (variables.is_empty() || self.rng.chance(30)) {
-            return Some(format!("raise Ev{}", self.rng.below(self.events)));
+            let raise = format!("raise Ev{}", self.rng.below(self.events));
+            let with = if self.rng.chance(30) { self.rng.choose(&variables) } else { None };
+            return Some(with.map_or(raise.clone(), |v| format!("{}, {raise}", self.deed(v))));
         }
         if variables.is_empty() {
             return None;
@@ -228,7 +236,7 @@ impl Model {
     }
 
     /// What becomes of a variable or integer.
-    fn deed(&mut self, variable: usize) -> String {
+    pub fn deed(&mut self, variable: usize) -> String {
         let Some(integer) = variable.checked_sub(self.variables) else {
             return format!("{} Var{variable}", self.rng.pick(&["set", "reset"]));
         };
@@ -389,6 +397,9 @@ impl Model {
             62..=66 if self.events > 0 => format!("Ev{}", self.rng.below(self.events)),
             67..=75 if !self.integers.is_empty() => self.comparison(),
             62..=75 if self.variables > 0 => format!("Var{}", self.rng.below(self.variables)),
+            76..=85 if !self.functions.is_empty() && self.rng.chance(35) => {
+                self.of_function().expect("there is a function")
+            }
             76..=85 => {
                 let observed = if self.rng.chance(40) { self.observed() } else { None };
                 let own = self.rng.below(self.states.len());

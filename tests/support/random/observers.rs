@@ -42,9 +42,10 @@ impl Model {
         }
     }
 
-    /// The variables that no observer writes.
+    /// The variables that neither observers nor functions write.
     pub fn free_variables(&self) -> Vec<usize> {
-        (0..self.variables).filter(|v| !self.remembered().contains(v)).collect()
+        let taken = [self.remembered(), self.of_functions()].concat();
+        (0..self.variables).filter(|v| !taken.contains(v)).collect()
     }
 
     /// A state of an observer, if there is one.
@@ -98,8 +99,35 @@ impl Model {
             };
             lines[usize::from(end)].push(Item::line(format!("from {from} to {to}{priority} when {guard}{effects}")));
         }
+        if !twice && self.rng.chance(40) {
+            let choice = format!("Fork{}", self.number());
+            let guard = self.observation(2, false, true);
+            let (a, b) = (self.rng.pick(&states).clone(), self.rng.pick(&states).clone());
+            let branches = [format!("when {guard} to {a}"), format!("else to {b}")];
+            let (from, when) = (self.rng.pick(&states).clone(), self.observation(1, false, true));
+            lines[0].push(Item::line(format!("from {from} to {choice} when {when}")));
+            items.push(Item::block(format!("choice {choice}"), branches.map(Item::line)));
+        }
+        if !inside.is_empty() && self.rng.chance(50) {
+            let (deep, guard) = (*self.rng.pick(&["", "deep "]), self.observation(1, false, true));
+            lines[0].push(Item::line(format!("from {} to {deep}history of {} when {guard}", states[0], states[1])));
+        }
         let [start, end] = lines;
         items.extend(start);
+        if !twice && self.rng.chance(30) {
+            let (region, other, a, b) = (self.number(), self.number(), self.number(), self.number());
+            let [there, back] = [0, 1].map(|_| self.observation(2, false, true));
+            let beside = [
+                format!("initial state Obs{a}"),
+                format!("state Obs{b}"),
+                format!("from Obs{a} to Obs{b} when {there}"),
+                format!("from Obs{b} to Obs{a} when {back}"),
+            ];
+            items = vec![
+                Item::block(format!("region R{region}"), items),
+                Item::block(format!("region R{other}"), beside.map(Item::line)),
+            ];
+        }
         if !end.is_empty() {
             items.push(Item::block("after filter", end));
         }

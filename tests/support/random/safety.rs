@@ -24,7 +24,8 @@ impl Model {
         if self.rng.chance(12)
             && let Some(items) = self.derived()
         {
-            return Some(Item::block("safety supervisor", items));
+            let head = format!("safety {}", self.rng.pick(&["supervisor", "supervisor", "controller"]));
+            return Some(Item::block(head, items));
         }
         let mut ways: Vec<Way> =
             (0..self.outputs).map(|_| *self.rng.pick(&[Way::Off, Way::Off, Way::On, Way::Edge])).collect();
@@ -45,7 +46,7 @@ impl Model {
         }
         // One relief that sets off another one.
         let off: Vec<usize> = (0..ways.len()).filter(|&o| ways[o] == Way::Off).collect();
-        if let ([a, b, c, ..], true) = (&off[..], self.rng.chance(30)) {
+        if let ([a, b, c, ..], true) = (&off[..], self.rng.chance(60)) {
             items.push(Item::line(format!("ConC: never Out{a} and Out{b} yields Out{b}")));
             items.push(Item::line(format!("ConD: never not Out{b} and Out{c} yields Out{c}")));
         }

@@ -13,7 +13,8 @@ impl Model {
         }
         for _ in 0..self.rng.below(2 + self.states.len() / 6) {
             match self.rng.below(10) {
-                0..=3 => self.through_choice(),
+                0..=2 => self.through_choice(),
+                3 => self.to_the_beginning(),
                 4..=7 => self.by_history(),
                 8 => self.fork(),
                 _ => self.join(),
@@ -32,6 +33,20 @@ impl Model {
         branches.push(Item::line(format!("else to {}", self.states[self.regions[region].initial].name)));
         let head = format!("initial choice Begin{}", self.number());
         self.regions[region].begins = Some(Item::block(head, branches));
+    }
+
+    /// A transition to the choice by which a region begins.
+    fn to_the_beginning(&mut self) {
+        let region = self.rng.below(self.regions.len());
+        let source = *self.rng.pick(&self.regions[region].states);
+        let Some(choice) = self.regions[region].begins.as_ref().and_then(|b| b.head().split(' ').next_back()) else {
+            return;
+        };
+        let to = choice.to_owned();
+        let (priority, guard, effects) = (self.priority(), self.timed(1), self.effects(region));
+        let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
+        let from = &self.states[source].name;
+        self.put(region, format!("from {from} to {to}{priority} when {edge} and {guard}{effects}"));
     }
 
     /// A transition through one or two choices.
@@ -83,7 +98,7 @@ impl Model {
     }
 
     /// The words for its history, if it has one and chance will have it.
-    fn history(&mut self, target: usize) -> &'static str {
+    pub fn history(&mut self, target: usize) -> &'static str {
         if self.states[target].regions.is_empty() || self.rng.chance(40) {
             return "";
         }

@@ -15,6 +15,7 @@ mod layout;
 mod licences;
 mod machines;
 mod mutants;
+mod names;
 mod never_entered;
 mod observers;
 mod palletizer;

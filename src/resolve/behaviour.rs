@@ -11,7 +11,7 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     technology(r);
     for body in bodies {
         let Some(state) = body.state else { continue };
-        let context = Context::Active { region: body.region };
+        let context = Context::Active { braces: body.braces() };
         if r.machine.observes(state) {
             let drives = body.body.drives.first().map(|d| (d.output.span, "this state drives an output"));
             let acts = body.body.actions.first();

@@ -89,7 +89,7 @@ fn plain<'a>(
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
         let guard = guard(r, body, written, source, &joined);
-        let ways = targets::ways(r, choices, &written.target, body.region, Some((source, body.phase)));
+        let ways = targets::ways(r, choices, &written.target, body.braces(), Some((source, body.phase)));
         for way in ways.iter().flatten() {
             let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
             let Some(scope) = r.machine.scope(source, way.target) else {
@@ -128,15 +128,15 @@ fn plain<'a>(
         }
     }
     if sources.is_empty() {
-        targets::ways(r, choices, &written.target, body.region, None);
+        targets::ways(r, choices, &written.target, body.braces(), None);
     }
 }
 
 /// The states from which it leads, and what a join asks for besides.
 fn sources(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Source) -> (Vec<chart::StateId>, Vec<Guard>) {
     match written {
-        ast::Source::State(path) => (r.path(path, body.region).into_iter().collect(), Vec::new()),
-        ast::Source::Join(paths) => match r.side_by_side(paths, body.region) {
+        ast::Source::State(path) => (r.path(path, body.braces()).into_iter().collect(), Vec::new()),
+        ast::Source::Join(paths) => match r.side_by_side(paths, body.braces()) {
             Some((parallel, states)) => (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect()),
             None => (Vec::new(), Vec::new()),
         },
@@ -178,7 +178,7 @@ fn movement(
     let (ast::Source::State(from), ast::Target::State(to)) = (&written.source, &written.target) else {
         unreachable!("a movement leads from one state to one state")
     };
-    let (source, target) = (r.path(from, body.region), r.path(to, body.region));
+    let (source, target) = (r.path(from, body.braces()), r.path(to, body.braces()));
     if let Some(source) = source {
         let guard = guard(r, body, written, source, &[]);
         let deeds = r.deeds(&written.effects, "this transition");
@@ -295,7 +295,7 @@ fn guard(
     joined: &[Guard],
 ) -> Guard {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
+        Some(guard) => r.guard(guard, &Context::Guard { braces: body.braces(), source, phase: body.phase }),
         None if !joined.is_empty() => Expr::TRUE,
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
@@ -310,7 +310,7 @@ fn internal(
     written: &ast::Internal,
     state: chart::StateId,
 ) -> chart::Transition {
-    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state, phase: body.phase });
+    let guard = r.guard(&written.guard, &Context::Guard { braces: body.braces(), source: state, phase: body.phase });
     let deeds = r.deeds(&written.effects, "this transition");
     if written.effects.is_empty() {
         r.diagnostics.push(

@@ -171,7 +171,6 @@ impl<'m> Context<'m> {
         condition.map(&mut |atom| match *atom {
             Atom::In(s) => Expr::Atom(self.flags[s.index()]),
             Atom::Done(s) => self.done_by_flags(s),
-            Atom::Compare(c) if self.is_observed(c) => Expr::Atom(self.compared_by_observers(c)),
             Atom::Compare(c) => Expr::Atom(self.compared_after(c)),
             other => self.value(other),
         })

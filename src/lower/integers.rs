@@ -3,10 +3,6 @@
 //! A comparison that guards read is computed in `Conditions`, from integers as the scan before has left
 //! them; one that drives, actions or constraints read in `Variables`, behind all assignments.
 //!
-//! Observers count before charts do. What they compare is computed in `Observing`; what is compared of
-//! their integers alone, for whoever comes after them, in `Observed`, behind their assignments: it does not
-//! change again until the filter has decided.
-//!
 //! Observers count before the charts do. What they compare is computed in `Observing`; what is compared of
 //! their integers only, for whoever comes after them, in `Observed`, behind their assignments: until the
 //! filter has decided these integers do not change again.
@@ -98,6 +94,9 @@ impl Context<'_> {
 
     /// Whether the comparison holds as the transitions have left the integers.
     pub fn compared_after(&mut self, comparison: ComparisonId) -> GlobalId {
+        if self.is_observed(comparison) {
+            return self.compared_by_observers(comparison);
+        }
         if let Some(&id) = self.integers.after.get(&comparison) {
             return id;
         }

@@ -383,7 +383,7 @@ impl Resolver {
             }
             _ => {
                 let path = |place: &Place| match *place {
-                    Place::State(id) => Some(self.machine.state_path(id)),
+                    Place::State(id) => Some(self.more_of(id, &text)),
                     Place::Region(_) | Place::Choice(_) => None,
                 };
                 let paths: Vec<String> = states.iter().filter_map(path).collect();
@@ -397,6 +397,16 @@ impl Resolver {
                 None
             }
         }
+    }
+
+    /// The path of a state, with its chart's name before it if it says no more than `text`.
+    fn more_of(&self, state: chart::StateId, text: &str) -> String {
+        let path = self.machine.state_path(state);
+        if !path.eq_ignore_ascii_case(text) {
+            return path;
+        }
+        let chart = self.machine.regions[self.machine.states[state].region].chart;
+        format!("{}.{path}", self.machine.charts[chart].name)
     }
 
     fn is_a_choice(&mut self, text: &str, span: Span) {

@@ -21,6 +21,7 @@ pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut 
         for (i, written) in body.body.transitions.iter().enumerate() {
             match body.movements.iter().find(|(at, _)| *at == i) {
                 Some(&(_, state)) => movement(r, body, written, state, &mut found),
+                None if written.movement.is_some() => no_movement(r, written),
                 None => plain(r, choices, body, written, &mut found),
             }
         }
@@ -166,6 +167,17 @@ fn jump(r: &mut Resolver, span: Span, source: chart::StateId, target: chart::Sta
         .help(format!("write `move from {} to {} when …`", from.name, to.name));
         r.diagnostics.push(d);
     }
+}
+
+/// Reports a movement that is written where no region holds it: beside the regions of a parallel state, or after
+/// the filter.
+fn no_movement(r: &mut Resolver, written: &ast::Transition) {
+    let span = written.movement.as_ref().map_or(written.span, |m| m.span);
+    r.diagnostics.push(
+        Diagnostic::new(Code::MoveWithoutActuator, "nothing moves here")
+            .label(span, "not between the braces of a region that controls an actuator")
+            .help("write it between the braces of the region that holds both states"),
+    );
 }
 
 fn movement(

@@ -24,6 +24,7 @@ mod program_mutants;
 mod prove;
 mod random_models;
 mod reading;
+mod reference;
 mod regressions;
 mod replay;
 mod scans;

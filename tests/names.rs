@@ -169,3 +169,41 @@ fn constraints_ask_for_states_as_scenarios_do() {
     assert!(codes(&constrained("Work.Dry")).contains(&"E105"), "{:?}", codes(&constrained("Work.Dry")));
     assert!(codes(&constrained("Nowhere")).contains(&"E104"), "{:?}", codes(&constrained("Nowhere")));
 }
+
+#[test]
+fn an_ambiguous_name_is_said_with_more_of_its_path() {
+    let source = "machine M inputs { Go } outputs { LAMP } actuator Lamp onoff by LAMP
+         observer O { initial state N  state Y  from N to Y when Go }
+         chart C {
+           region A { initial state X  state Y  from X to Y when Go }
+           region B { initial state Z { drives LAMP when in(Y) } }
+         }";
+    let (_, diagnostics) = pipeline::check(source);
+    let ambiguous = diagnostics.iter().find(|d| d.code.number() == "E105").expect("`Y` is ambiguous");
+    assert_eq!(ambiguous.help, ["write more of its path: `O.Y`, `A.Y`"]);
+    for more in ["O.Y", "A.Y", "C.A.Y"] {
+        assert_eq!(codes(&source.replace("in(Y)", &format!("in({more})"))), Vec::<&str>::new(), "{more}");
+    }
+}
+
+#[test]
+fn a_movement_stands_in_the_region_that_moves() {
+    let parallel = "machine M inputs { In Out Go } outputs { OUT } actuator Rod monostable { position Back sensor In position Front output OUT sensor Out }
+         chart C {
+           initial state W
+           parallel state P {
+             region A controls Rod { initial state Back  state Front  INNER move from Front to Back when not Go }
+             region B { initial state Z }
+             OUTER
+           }
+           from W to P when Go
+         }";
+    let movement = "move from Back to Front when Go";
+    assert!(codes(&parallel.replace("INNER", movement).replace("OUTER", "")).is_empty());
+    let beside = codes(&parallel.replace("INNER", "").replace("OUTER", movement));
+    assert!(beside.contains(&"E205"), "{beside:?}");
+    let after = "machine M inputs { Go } outputs { LAMP } actuator Lamp onoff by LAMP
+         observer O { initial state N  state Y  after filter { move from N to Y when Go } }
+         chart C { initial state Z { drives LAMP when in(Y) } }";
+    assert!(codes(after).contains(&"E205"), "{:?}", codes(after));
+}

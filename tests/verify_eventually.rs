@@ -18,7 +18,7 @@ fn press() -> String {
 
 fn look(text: &str, open: bool, choice: Choice) -> Verified {
     let limits = Limits { scans: 20, ..Limits::default() };
-    let options = Options { program: Program::Chart, open, choice, limits };
+    let options = Options { open, choice, limits, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }

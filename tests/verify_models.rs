@@ -10,7 +10,7 @@ use chartwright::simulate::scenario::play;
 use chartwright::verify::{Choice, Limits};
 
 fn options(open: bool) -> Options {
-    Options { program: Program::Chart, open, choice: Choice::Automatic, limits: Limits::default() }
+    Options { open, ..Options::default() }
 }
 
 fn ask(text: &str, options: &Options) -> Verified {

@@ -367,19 +367,38 @@ Examples:
   chartwright verify door.chart --program any           the filter alone, behind any program
   chartwright verify door.chart --open                  without the plant: all inputs are free
   chartwright verify door.chart --scenario found.chart  write the first counterexample as a scenario
+  chartwright verify door.chart --deny overlap,acts     what is left to judge otherwise is wrong, too
+  chartwright verify door.chart --needed                what happens without each constraint
+  chartwright verify door.chart --program any --without S1,S2
 
 Exit codes:
-  0  all demands hold
-  1  a demand is violated; a property or constraint stays open; the model has errors, or a file cannot be
-     read or written
+  0  all demands hold; with --needed, it is known of each constraint whether it is needed
+  1  a demand is violated; a property, a constraint or what is denied stays open; the model has errors, or
+     a file cannot be read or written
   2  the command line is wrong")]
 pub struct Verify {
     /// The model.
     pub file: PathBuf,
 
-    /// What runs in front of the filter.
-    #[arg(long, value_enum, default_value_t = VerifyProgram::Chart)]
-    pub program: VerifyProgram,
+    /// What runs in front of the filter [default: chart; any with --needed].
+    #[arg(long, value_enum)]
+    pub program: Option<VerifyProgram>,
+
+    /// Leaves one constraint out at a time, and says which property is violated then, if one is.
+    ///
+    /// Asked are the declared properties that hold with all constraints. A constraint has to do its part
+    /// whatever the program commands, so any program is assumed; with `--program chart` a constraint is
+    /// needed only if these charts need it.
+    #[arg(long)]
+    pub needed: bool,
+
+    /// Leaves these constraints out, as if they had not been written.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub without: Vec<String>,
+
+    /// Makes an error of what is left to people to judge otherwise.
+    #[arg(long, value_enum, value_name = "KIND,…", value_delimiter = ',')]
+    pub deny: Vec<Deny>,
 
     /// Leaves the plant out: all inputs are free, under the assumptions only.
     #[arg(long)]
@@ -420,6 +439,25 @@ pub enum VerifyProgram {
     Chart,
     /// Any: each scan any command.
     Any,
+}
+
+/// What is left to people to judge, unless it is denied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Deny {
+    /// A property that says nothing, since what it speaks of happens in no fair run.
+    Void,
+    /// A state that is active in no run.
+    Unreachable,
+    /// A transition that fires in no run.
+    Silent,
+    /// Two transitions of one source that only their order separates.
+    Overlap,
+    /// A constraint for which the filter acts.
+    Acts,
+    /// A constraint that is not needed; asked with --needed.
+    Needless,
+    /// All of these.
+    All,
 }
 
 /// An engine that verifies.

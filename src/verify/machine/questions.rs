@@ -31,6 +31,26 @@ pub enum Question {
     Acts(ConstraintId),
 }
 
+/// What people may judge to be meant so, or to be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A property says nothing.
+    Void,
+    /// A state is never active.
+    Unreachable,
+    /// A transition never fires.
+    Silent,
+    /// Only the order of two transitions decides.
+    Overlap,
+    /// The filter acts.
+    Acts,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 5] = [Kind::Void, Kind::Unreachable, Kind::Silent, Kind::Overlap, Kind::Acts];
+}
+
 impl Question {
     /// Whether a run that shows it is what one hopes for.
     pub fn hopes_for_a_run(self, machine: &Machine) -> bool {
@@ -45,15 +65,15 @@ impl Question {
         }
     }
 
-    /// Whether the machine is wrong if the answer is no; otherwise it is for people to judge.
-    pub fn is_demand(self) -> bool {
+    /// What there is to judge if the answer is no; nothing if the machine is wrong then.
+    pub fn kind(self) -> Option<Kind> {
         match self {
-            Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => true,
-            Question::Arises(_)
-            | Question::Active(_)
-            | Question::Fires(_)
-            | Question::Together(..)
-            | Question::Acts(_) => false,
+            Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => None,
+            Question::Arises(_) => Some(Kind::Void),
+            Question::Active(_) => Some(Kind::Unreachable),
+            Question::Fires(_) => Some(Kind::Silent),
+            Question::Together(..) => Some(Kind::Overlap),
+            Question::Acts(_) => Some(Kind::Acts),
         }
     }
 }

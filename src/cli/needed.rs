@@ -189,7 +189,7 @@ fn human(found: &Needed, time: Duration) -> String {
         };
     }
     if found.properties.iter().all(|(_, kept)| *kept == Kept::No) {
-        text += "No declared property holds, so there is nothing that a constraint could be needed for.\n";
+        return text + "No declared property holds, so there is nothing that a constraint could be needed for.\n";
     }
     for (id, without) in &found.without {
         let _ = write!(text, "{:<10}  {}", verdict(without), name(machine, *id));

@@ -7,17 +7,21 @@
 use super::verify::{Options, Question, Refusal, Run, show};
 use super::without;
 use crate::base::{Diagnostic, Diagnostics, Severity};
-use crate::constraints::redundancy::{self, Redundant};
+use crate::constraints::redundancy;
 use crate::ir::chart::{ConstraintId, Machine};
 use crate::verify::aig::{Lit, lanes};
 use crate::verify::bounded::Bounded;
 use crate::verify::engine;
 use crate::verify::limits::Stop;
 use crate::verify::machine::Subject;
-use crate::verify::system::{Property, System, Trace};
-use crate::verify::{Choice, Limit, Verdict};
+use crate::verify::symbolic;
+use crate::verify::system::{Claim, Property, System, Trace};
+use crate::verify::{Choice, Limit, Limits, Verdict};
 
-/// How many of the first scans are searched before all that can be reached is.
+/// Operations on decision diagrams for a first attempt: what is small is known at once.
+const GLANCE: u64 = 200_000;
+
+/// How many of the first scans a first attempt looks at.
 const SCANS: usize = 24;
 
 /// Conflicts for one question about the first scans.
@@ -30,7 +34,7 @@ pub struct Needed {
     pub machine: Machine,
     /// Property by property, what is so with all constraints; only of those that are asked.
     pub properties: Vec<(usize, Kept)>,
-    /// Constraint by constraint, what happens without it.
+    /// Constraint by constraint, what happens without it. Nothing is said where no property is kept.
     pub without: Vec<(ConstraintId, Without)>,
 }
 
@@ -76,7 +80,7 @@ pub struct Loss {
 }
 
 /// Text to what each constraint is good for. Nothing if the model has errors, or cannot be verified. `begin` is told
-/// before each part of the work how many there still are, this one included; the first one is about the whole machine.
+/// before each part of the work how many there still may be, this one included; the first one is about the whole machine.
 pub fn needed(
     source: &str,
     options: &Options,
@@ -91,13 +95,35 @@ pub fn needed(
         Ok(properties) => properties,
         Err(refusal) => return (Some(Err(refusal)), diagnostics),
     };
-    let redundant = redundancy::redundant(&machine);
-    let mut without = Vec::new();
+    // Where nothing is kept, nothing can be needed for it.
+    let ids = if properties.iter().all(|(_, kept)| *kept == Kept::No) { Vec::new() } else { ids };
+    let left = |id: ConstraintId| {
+        let mut options = options.clone();
+        options.without.push(machine.safety.constraints[id].name.clone());
+        options
+    };
+    // What is found at once is found first, and leaves its time to the others.
+    let mut without: Vec<Option<Without>> = Vec::new();
     for (i, &id) in ids.iter().enumerate() {
         begin(ids.len() - i);
-        without.push((id, leave_out(source, &machine, id, &properties, &redundant, options, stop)));
+        without.push(compare(&machine, &properties, source, &left(id), Effort::Glance, stop));
     }
-    (Some(Ok(Needed { machine, properties, without })), diagnostics)
+    let redundant = redundancy::redundant(&machine);
+    let mut open = without.iter().filter(|w| w.is_none()).count();
+    let mut found = Vec::new();
+    for (id, known) in ids.into_iter().zip(without) {
+        let mut answer = known.unwrap_or_else(|| {
+            begin(open);
+            open -= 1;
+            let all = compare(&machine, &properties, source, &left(id), Effort::All, stop);
+            all.expect("with all effort there is an answer")
+        });
+        if let (Without::Kept(implied), Some(r)) = (&mut answer, redundant.iter().find(|r| r.constraint == id)) {
+            implied.clone_from(&r.implied_by);
+        }
+        found.push((id, answer));
+    }
+    (Some(Ok(Needed { machine, properties, without: found })), diagnostics)
 }
 
 /// The declared properties among the questions, each with its claim.
@@ -117,8 +143,8 @@ fn claiming(system: &System, claims: &[Property]) -> System {
     system
 }
 
-/// Which properties are kept with all constraints.
-fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
+/// Which properties a machine keeps, of those that are asked.
+pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
     let subject = Subject::new(machine, options.program, options.open)?;
     let (indices, claims): (Vec<usize>, Vec<Property>) = declared(&subject).unzip();
     let system = claiming(&subject.system, &claims);
@@ -136,26 +162,34 @@ fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Ve
     Ok(kept.collect())
 }
 
-/// What happens without one constraint.
-fn leave_out(
-    source: &str,
+/// How much an answer is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// What shows at once.
+    Glance,
+    /// All that the options allow.
+    All,
+}
+
+/// What becomes of the `properties` of a `whole` machine in another one, which the options may make of the `source` of
+/// the whole one. Nothing if it takes more effort.
+pub fn compare(
     whole: &Machine,
-    constraint: ConstraintId,
     properties: &[(usize, Kept)],
-    redundant: &[Redundant],
+    source: &str,
     options: &Options,
+    effort: Effort,
     stop: Stop<'_>,
-) -> Without {
-    let mut options = options.clone();
-    options.without.push(whole.safety.constraints[constraint].name.clone());
+) -> Option<Without> {
     let (machine, diagnostics) = without::check(source, &options.without);
     let Some(machine) = machine else {
         let mut errors = diagnostics.iter().filter(|d| d.severity() == Severity::Error);
-        return Without::Refused(Box::new(errors.next().expect("there is no machine because of an error").clone()));
+        let error = errors.next().expect("there is no machine because of an error").clone();
+        return Some(Without::Refused(Box::new(error)));
     };
     let subject = match Subject::new(&machine, options.program, options.open) {
         Ok(subject) => subject,
-        Err(refusal) => return Without::Unverified(refusal),
+        Err(refusal) => return Some(Without::Unverified(refusal)),
     };
     // A property may have another index without its neighbours that ask for what is gone.
     let name = |i: usize| &machine.properties[i].name;
@@ -169,20 +203,17 @@ fn leave_out(
         Some(Asked { index: *index, here: i, certain, claim })
     });
     let asked: Vec<Asked> = asked.collect();
-    let search = Search { subject: &subject, asked: &asked, options: &options, stop };
-    match search.run() {
-        Ok(None) => {
-            let implied = redundant.iter().find(|r| r.constraint == constraint);
-            Without::Kept(implied.map_or_else(Vec::new, |r| r.implied_by.clone()))
-        }
+    let search = Search { subject: &subject, asked: &asked, options, effort, stop };
+    Some(match search.run()? {
+        Ok(None) => Without::Kept(Vec::new()),
         Ok(Some((lost, trace))) => {
             let Asked { index, here, certain, .. } = asked[lost];
             let question = Question::Declared(here);
-            let run = trace.map(|trace| show(&subject, question, &trace, &options));
+            let run = trace.map(|trace| show(&subject, question, &trace, options));
             Without::Violated(Box::new(Loss { property: index, certain, question, run, machine: machine.clone() }))
         }
         Err((open, limit)) => Without::Unknown(asked[open].index, limit),
-    }
+    })
 }
 
 /// A property that is asked of what is left.
@@ -202,6 +233,7 @@ struct Search<'s, 'm> {
     subject: &'s Subject<'m>,
     asked: &'s [Asked],
     options: &'s Options,
+    effort: Effort,
     stop: Stop<'s>,
 }
 
@@ -209,18 +241,19 @@ struct Search<'s, 'm> {
 type Found = Result<Option<(usize, Option<Trace>)>, (usize, Limit)>;
 
 impl Search<'_, '_> {
-    fn run(&self) -> Found {
-        let certain = self.of(true);
-        let found = self.search(&certain);
+    /// Nothing if it takes more effort.
+    fn run(&self) -> Option<Found> {
+        let found = self.search(&self.of(true));
         let uncertain = self.of(false);
-        if uncertain.is_empty() || matches!(found, Ok(Some(_))) {
+        if uncertain.is_empty() || matches!(found, Some(Ok(Some(_)))) {
             return found;
         }
-        // What is violated here tells something, even if nobody knows whether it is with all constraints.
-        match (self.search(&uncertain), found) {
-            (lost @ Ok(Some(_)), _) => lost,
-            (_, Err(open)) | (Err(open), _) => Err(open),
-            (Ok(None), Ok(_)) => Ok(None),
+        // What is violated here tells something, even if nobody knows whether it is with all constraints; but first it
+        // is to be known that there is nothing better.
+        match (found?, self.search(&uncertain)?) {
+            (_, lost @ Ok(Some(_))) => Some(lost),
+            (Err(open), _) | (_, Err(open)) => Some(Err(open)),
+            (Ok(_), Ok(None)) => Some(Ok(None)),
         }
     }
 
@@ -228,42 +261,70 @@ impl Search<'_, '_> {
         (0..self.asked.len()).filter(|&i| self.asked[i].certain == certain).collect()
     }
 
-    fn search(&self, asked: &[usize]) -> Found {
-        let never = asked.iter().filter_map(|&i| self.bad(i).map(|bad| (i, bad)));
-        let never: Vec<(usize, Lit)> = never.collect();
+    fn search(&self, asked: &[usize]) -> Option<Found> {
+        // All that never must be is one claim.
+        let never: Vec<(usize, Lit)> = asked.iter().filter_map(|&i| Some((i, self.bad(i)?))).collect();
+        let rest: Vec<usize> = asked.iter().copied().filter(|&i| self.bad(i).is_none()).collect();
         let mut system = self.subject.system.clone();
         let bad = system.aig.any(&never.iter().map(|&(_, bad)| bad).collect::<Vec<_>>());
-        let rest: Vec<usize> = asked.iter().copied().filter(|&i| self.bad(i).is_none()).collect();
-        let which = |trace: &Trace| {
-            let replay = self.subject.system.replay(trace).expect("the engines replay what they return");
-            let last = replay.values.last().expect("it has a scan");
-            never.iter().find(|&&(_, bad)| lanes(last, bad) & 1 == 1).expect("it shows one of them").0
-        };
-        let claims: Vec<Property> = rest.iter().map(|&i| self.asked[i].claim).collect();
-        let claims = if never.is_empty() { claims } else { [vec![Property::Never(bad)], claims].concat() };
+        let all = (!never.is_empty()).then_some((None, Property::Never(bad)));
+        let claims = all.into_iter().chain(rest.into_iter().map(|i| (Some(i), self.asked[i].claim)));
+        let (whose, claims): (Vec<Option<usize>>, Vec<Property>) = claims.unzip();
         let system = claiming(&system, &claims);
-        if !never.is_empty()
-            && self.options.choice == Choice::Automatic
-            && let Some(trace) = self.look_ahead(&system, bad)
-        {
-            return Ok(Some((which(&trace), Some(trace))));
-        }
-        let report = engine::check(&system, &self.options.limits, self.options.choice, self.stop, &mut |_| {});
+        let verdicts = match self.effort {
+            Effort::Glance => self.glance(&system)?,
+            Effort::All => {
+                let limits = &self.options.limits;
+                let report = engine::check(&system, limits, self.options.choice, self.stop, &mut |_| {});
+                report.findings.into_iter().map(|f| f.verdict).collect()
+            }
+        };
         let mut open = None;
-        for (k, finding) in report.findings.into_iter().enumerate() {
-            // The first one is about all that never must be; which one stays open it cannot say.
-            let one = if never.is_empty() { Some(rest[k]) } else { k.checked_sub(1).map(|k| rest[k]) };
-            let hopes = one.is_some_and(|i| self.hopes(i));
-            match finding.verdict {
-                Verdict::Violated(trace) if !hopes => {
-                    return Ok(Some((one.unwrap_or_else(|| which(&trace)), Some(trace))));
+        for (whose, verdict) in whose.into_iter().zip(verdicts) {
+            let one = || whose.unwrap_or_else(|| never[0].0);
+            match (verdict, whose.is_some_and(|i| self.hopes(i))) {
+                (Verdict::Violated(trace), false) => {
+                    let which = whose.unwrap_or_else(|| self.which(&never, &trace));
+                    return Some(Ok(Some((which, Some(trace)))));
                 }
-                Verdict::Holds if hopes => return Ok(Some((one.expect("it is one that hopes"), None))),
-                Verdict::Holds | Verdict::Violated(_) => {}
-                Verdict::Unknown(limit) => open = open.or(Some((one.unwrap_or_else(|| never[0].0), limit))),
+                (Verdict::Holds, true) => return Some(Ok(Some((one(), None)))),
+                (Verdict::Holds, false) | (Verdict::Violated(_), true) => {}
+                (Verdict::Unknown(limit), _) => open = open.or_else(|| Some((one(), limit))),
             }
         }
-        open.map_or(Ok(None), Err)
+        match self.effort {
+            Effort::Glance if open.is_some() => None,
+            Effort::Glance | Effort::All => Some(open.map_or(Ok(None), Err)),
+        }
+    }
+
+    /// The verdicts that show at once: all of them, or one that something is violated.
+    fn glance(&self, system: &System) -> Option<Vec<Verdict>> {
+        let limits = Limits { steps: GLANCE, ..self.options.limits };
+        if matches!(self.options.choice, Choice::Only(_)) || system.claims.is_empty() {
+            return None;
+        }
+        let explored = symbolic::explore(system, &limits, self.stop, &mut |_| {});
+        if explored.verdicts.iter().all(Option::is_some) {
+            let claims = system.claims.iter().zip(explored.verdicts);
+            // Nothing is believed that the system does not do.
+            let verdict = |(claim, verdict): (&Claim, Option<Result<(), Trace>>)| match verdict? {
+                Ok(()) => Some(Verdict::Holds),
+                Err(trace) => system.shows(&trace, claim.property).then_some(Verdict::Violated(trace)),
+            };
+            return claims.map(verdict).collect();
+        }
+        let Property::Never(bad) = system.claims[0].property else { return None };
+        let trace = self.look_ahead(system, bad)?;
+        let rest = system.claims.iter().skip(1).map(|_| Verdict::Unknown(Limit::Steps));
+        Some([Verdict::Violated(trace)].into_iter().chain(rest).collect())
+    }
+
+    /// Which of those a run shows that never must be.
+    fn which(&self, never: &[(usize, Lit)], trace: &Trace) -> usize {
+        let replay = self.subject.system.replay(trace).expect("the engines replay what they return");
+        let last = replay.values.last().expect("it has a scan");
+        never.iter().find(|&&(_, bad)| lanes(last, bad) & 1 == 1).expect("it shows one of them").0
     }
 
     /// Whether a run that shows it is what one hopes for.

@@ -120,6 +120,7 @@ fn denied(deny: &[Deny]) -> Vec<Kind> {
         Deny::Unreachable => vec![Kind::Unreachable],
         Deny::Silent => vec![Kind::Silent],
         Deny::Overlap => vec![Kind::Overlap],
+        Deny::Saturates => vec![Kind::Saturates],
         Deny::Acts => vec![Kind::Acts],
         // That is no question about the whole machine.
         Deny::Needless => Vec::new(),

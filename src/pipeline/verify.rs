@@ -3,6 +3,7 @@
 use super::{rungs, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::{Atom, InputId, Machine, OutputId};
+use crate::ir::number::Range;
 use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Seen, Step};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
@@ -182,6 +183,11 @@ pub fn words(machine: &Machine, question: Question) -> String {
         Question::Fires(t) => format!("{} can fire", transition(machine, t)),
         Question::Together(a, b) => {
             format!("{} and {} are never enabled together", transition(machine, a), transition(machine, b))
+        }
+        Question::Beyond(i) => {
+            let integer = &machine.integers[i];
+            let Range { lowest, highest } = integer.range;
+            format!("{}: nothing beyond {lowest}..{highest} is assigned to it", integer.name)
         }
         Question::Acts(c) => format!("{}: the filter never has to act", machine.safety.constraints[c].name),
     }

@@ -3,7 +3,7 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
 use super::{Program, Subject, View};
-use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, ConstraintId, Guard, IntegerId, Machine, Mark, Phase, StateId, StateKind, TransitionId};
 use crate::ir::scenario::{Condition, Counted, PropertyKind, Seen};
 use crate::prove::chart_numbers::{compare, compare_of};
 use std::collections::BTreeSet;
@@ -27,6 +27,8 @@ pub enum Question {
     Fires(TransitionId),
     /// Whether two transitions of one source are enabled together, and only their order decides.
     Together(TransitionId, TransitionId),
+    /// Whether the integer is ever to become something beyond its range.
+    Beyond(IntegerId),
     /// Whether the filter ever has to act for the constraint.
     Acts(ConstraintId),
 }
@@ -42,13 +44,16 @@ pub enum Kind {
     Silent,
     /// Only the order of two transitions decides.
     Overlap,
+    /// An integer stops at a bound of its range.
+    Saturates,
     /// The filter acts.
     Acts,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 5] = [Kind::Void, Kind::Unreachable, Kind::Silent, Kind::Overlap, Kind::Acts];
+    pub const ALL: [Kind; 6] =
+        [Kind::Void, Kind::Unreachable, Kind::Silent, Kind::Overlap, Kind::Saturates, Kind::Acts];
 }
 
 impl Question {
@@ -61,6 +66,7 @@ impl Question {
             | Question::Assumable
             | Question::Moves
             | Question::Together(..)
+            | Question::Beyond(_)
             | Question::Acts(_) => false,
         }
     }
@@ -73,6 +79,7 @@ impl Question {
             Question::Active(_) => Some(Kind::Unreachable),
             Question::Fires(_) => Some(Kind::Silent),
             Question::Together(..) => Some(Kind::Overlap),
+            Question::Beyond(_) => Some(Kind::Saturates),
             Question::Acts(_) => Some(Kind::Acts),
         }
     }
@@ -143,6 +150,13 @@ impl Subject<'_> {
             let both = self.system.aig.and(enabled[a.index()], enabled[b.index()]);
             let name = format!("{} and {} together", transition(machine, a), transition(machine, b));
             self.ask(Question::Together(a, b), name, Property::Never(both));
+        }
+        for (id, integer) in machine.integers.iter() {
+            let beyond = self.view.scan.beyond[id.index()];
+            // What no assignment can do is no question.
+            if beyond != Lit::FALSE {
+                self.ask(Question::Beyond(id), format!("{} saturates", integer.name), Property::Never(beyond));
+            }
         }
         for (id, constraint) in machine.safety.constraints.iter() {
             let acted = self.view.scan.acted[id.index()];

@@ -7,7 +7,6 @@ use chartwright::ir::chart::Machine;
 use chartwright::pipeline::verify::{Options, Program, Question, Status, system, verify};
 use chartwright::verify::aig::{Lit, lanes};
 use chartwright::verify::machine::Subject;
-use chartwright::verify::{Choice, Limits};
 use std::collections::HashMap;
 
 /// What the system sees in a scan, and does next.

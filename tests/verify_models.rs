@@ -7,7 +7,7 @@ use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified
 use chartwright::pipeline::{self};
 use chartwright::simulate::run::Program as Runs;
 use chartwright::simulate::scenario::play;
-use chartwright::verify::{Choice, Limits};
+use chartwright::verify::Limits;
 
 fn options(open: bool) -> Options {
     Options { open, ..Options::default() }

@@ -38,3 +38,4 @@ mod verify_eventually;
 mod verify_export;
 mod verify_filter;
 mod verify_models;
+mod verify_needed;

@@ -86,7 +86,9 @@ fn spelled_out(text: &str) -> String {
     let (derived, _) = pipeline::derivable(text);
     let derived: Vec<String> = derived.iter().map(|d| format!("  {}", source::constraint(&d.constraint))).collect();
     let kept = text.lines().filter(|l| !l.contains(": forbid "));
-    kept.map(|l| if l.trim() == "derive all" { derived.join("\n") } else { l.to_owned() }).collect::<Vec<_>>().join("\n")
+    kept.map(|l| if l.trim() == "derive all" { derived.join("\n") } else { l.to_owned() })
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 fn fate(case: &Case, mutant: &Mutant) -> (Fate, String) {
@@ -126,9 +128,7 @@ fn fate(case: &Case, mutant: &Mutant) -> (Fate, String) {
     match (listed, all) {
         (Some((.., reason)), Some(Without::Kept(_))) => (Fate::Harmless, (*reason).to_owned()),
         (_, Some(Without::Kept(_))) => (Fate::Open, "all properties hold".to_owned()),
-        (_, Some(Without::Unknown(i, limit))) => {
-            (Fate::Open, format!("{}: {limit}", case.machine.properties[i].name))
-        }
+        (_, Some(Without::Unknown(i, limit))) => (Fate::Open, format!("{}: {limit}", case.machine.properties[i].name)),
         (_, other) => (Fate::Open, if other.is_none() { "no scenario fails".to_owned() } else { String::new() }),
     }
 }

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 /// at any speed: the properties that it declares; whether its outputs ever violate a constraint;
 /// whether some transition can always fire sooner or later. These are demands. For people to judge it
 /// also says which states are never active, which transitions never fire, which ones are enabled
-/// together so that only their order decides, and where the filter has to act.
+/// together so that only their order decides, which integers stop at a bound, and where the filter has
+/// to act.
 ///
 /// A violated demand is shown as a run from power-up, as short as can be.
 #[derive(Args, Debug)]

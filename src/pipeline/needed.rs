@@ -146,20 +146,35 @@ fn claiming(system: &System, claims: &[Property]) -> System {
 /// Which properties a machine keeps, of those that are asked.
 pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
     let subject = Subject::new(machine, options.program, options.open)?;
-    let (indices, claims): (Vec<usize>, Vec<Property>) = declared(&subject).unzip();
-    let system = claiming(&subject.system, &claims);
-    let report = engine::check(&system, &options.limits, options.choice, stop, &mut |_| {});
-    let kept = indices.into_iter().zip(report.findings).map(|(i, finding)| {
-        let hopes = Question::Declared(i).hopes_for_a_run(machine);
+    let hopes = |i: usize| Question::Declared(i).hopes_for_a_run(machine);
+    let asked: Vec<(usize, Property)> = declared(&subject).collect();
+    let answer = |system: &System, claims: &[Property]| {
+        let system = claiming(system, claims);
+        engine::check(&system, &options.limits, options.choice, stop, &mut |_| {}).findings
+    };
+    // All that never must be is proved as one mostly, and at less cost than each for itself.
+    let is_bad = |&(i, claim): &(usize, Property)| match claim {
+        Property::Never(bad) if !hopes(i) => Some(bad),
+        _ => None,
+    };
+    let bads: Vec<Lit> = asked.iter().filter_map(is_bad).collect();
+    let mut system = subject.system.clone();
+    let any = system.aig.any(&bads);
+    let together = bads.len() > 1 && answer(&system, &[Property::Never(any)])[0].verdict == Verdict::Holds;
+    let (proved, rest): (Vec<_>, Vec<_>) = asked.into_iter().partition(|a| together && is_bad(a).is_some());
+    let claims: Vec<Property> = rest.iter().map(|&(_, claim)| claim).collect();
+    let kept = rest.iter().zip(answer(&system, &claims)).map(|(&(i, _), finding)| {
         let kept = match finding.verdict {
             Verdict::Unknown(limit) => Kept::Unknown(limit),
-            Verdict::Holds if !hopes => Kept::Yes,
-            Verdict::Violated(_) if hopes => Kept::Yes,
+            Verdict::Holds if !hopes(i) => Kept::Yes,
+            Verdict::Violated(_) if hopes(i) => Kept::Yes,
             Verdict::Holds | Verdict::Violated(_) => Kept::No,
         };
         (i, kept)
     });
-    Ok(kept.collect())
+    let mut kept: Vec<(usize, Kept)> = proved.iter().map(|&(i, _)| (i, Kept::Yes)).chain(kept).collect();
+    kept.sort_by_key(|&(i, _)| i);
+    Ok(kept)
 }
 
 /// How much an answer is worth.

@@ -8,10 +8,15 @@
 //! - a scenario of the model fails: a machine that never moves violates nothing that is never to be;
 //! - it is the same machine: its outputs are those of the right one in every scan of every run, whatever the program commands,
 //!   or with the model's own charts;
-//! - it is listed in [`HARMLESS`] with the reason, and all properties are proved all the same.
+//! - it is listed in [`HARMLESS`] with the reason, and all properties are proved all the same;
+//! - it is listed in [`UNASKED`] with the reason: what is wrong with it is nothing that properties or scenarios speak of.
 //!
-//! `CHARTWRIGHT_MODEL_MUTANTS=200 cargo test --test main model_mutants -- --nocapture` looks at that many, and says what
-//! became of them.
+//! In the suite some are looked at, as far as the answer shows at once; most of them have to be found wrong.
+//! `CHARTWRIGHT_MODEL_MUTANTS=200 cargo test --test main model_mutants -- --nocapture` looks at that many until each is
+//! settled, and says what became of them.
+//!
+//! Of the two large machines, INDEXA and Productis, only guards are made wrong, and judged by scenarios: their filters
+//! guard against much of which no property speaks.
 
 use crate::support::model_damage::{Kind, Mutant, mutants};
 use crate::support::models::{self, repository};
@@ -31,9 +36,49 @@ use chartwright::verify::system::{Property, System};
 use chartwright::verify::{Choice, Verdict, engine};
 use std::collections::BTreeMap;
 
-/// Constraints, by their beginnings, of which machines.md says that the hazards do not need them; model by model, with the
+/// What is wrong, by words of its description, without harm: all properties are proved without it. Model by model, with the
 /// reason.
-const HARMLESS: &[(&str, &[&str], &str)] = &[];
+const HARMLESS: &[(&str, &[&str], &str)] = &[
+    (
+        "four_cylinders",
+        &["CS1 is left out", "CS7 is left out", "CS13 is left out", "CS19 is left out"],
+        "mechanical: a rod does not set out again from half way",
+    ),
+    (
+        "four_cylinders",
+        &["H1 is seen late", "H2 is seen late", "H3 is seen late", "H4 is seen late"],
+        "a pallet counts as carried for a scan more: the filter forbids more, and only delays",
+    ),
+    ("carts", &["SSC1 is left out", "SSC2 is left out"], "mechanical: with both orders the cart stands"),
+    (
+        "carts",
+        &["E1 is left out", "E2 is left out", "E3 is left out", "E4 is left out"],
+        "mechanical: a cart is not driven against the end of its rails",
+    ),
+    (
+        "prehensor",
+        &["in Both_", "Both_Go_up_Go_down is", "Both_Go_down_Go_up is", "Both_Go_in_Go_out is", "Both_Go_out_Go_in is"],
+        "mechanical: a valve with both orders stays where it is",
+    ),
+    (
+        "prehensor",
+        &["End_Go_up is left out", "End_Go_down is left out", "End_Go_in is left out", "End_Go_out is left out"],
+        "mechanical: a cylinder is not driven against its end",
+    ),
+    (
+        "prehensor",
+        &["F1_Go_down is left out", "_with_Go_", "_after_Go_"],
+        "an order of a valve that remembers is held until its end (Hold_), so that each case is forbidden twice",
+    ),
+    (
+        "palletizer",
+        &["S8 is left out", "S23 is left out", "K1 is left out", "K4 is left out", "K5 is left out"],
+        "mechanical, or of the rollers that carry pallets away, of which no hazard speaks",
+    ),
+];
+
+/// What is wrong, by words of its description, in a way of which the model says nothing.
+const UNASKED: &[(&str, &[&str], &str)] = &[];
 
 /// What became of a wrong model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,6 +88,9 @@ enum Fate {
     FailsScenario,
     Same,
     Harmless,
+    Unasked,
+    /// Takes more effort than the suite makes.
+    Later,
     Open,
 }
 
@@ -91,7 +139,7 @@ fn spelled_out(text: &str) -> String {
         .join("\n")
 }
 
-fn fate(case: &Case, mutant: &Mutant) -> (Fate, String) {
+fn fate(case: &Case, mutant: &Mutant, thorough: bool) -> (Fate, String) {
     let (machine, diagnostics) = pipeline::check(&mutant.source);
     let Some(machine) = machine else {
         let codes: Vec<String> = diagnostics.iter().map(|d| d.code.to_string()).collect();
@@ -115,26 +163,36 @@ fn fate(case: &Case, mutant: &Mutant) -> (Fate, String) {
             return (Fate::FailsScenario, scenario.name.clone());
         }
     }
-    if same(&case.machine, &machine, program, &limits) {
+    if same(&case.machine, &machine, program, thorough.then_some(&limits)) {
         return (Fate::Same, String::new());
+    }
+    let listed = |list: &[(&str, &[&str], &'static str)]| {
+        let is_it = |(model, words, _): &&(&str, &[&str], &'static str)| {
+            *model == case.name && words.iter().any(|w| mutant.what.contains(w))
+        };
+        list.iter().find(is_it).map(|&(.., reason)| reason)
+    };
+    if let Some(reason) = listed(UNASKED) {
+        return (Fate::Unasked, reason.to_owned());
+    }
+    if !thorough && !matches!(glance, Some(Without::Kept(_))) {
+        return (Fate::Later, String::new());
     }
     let all = glance.or_else(|| (!case.properties.is_empty()).then(|| asked(Effort::All)).flatten());
     if let Some(name) = lost(&all) {
         return (Fate::Violates, name);
     }
-    let listed = HARMLESS.iter().find(|(model, names, _)| {
-        *model == case.name && names.iter().any(|n| mutant.part.starts_with(n) || mutant.what.contains(n))
-    });
-    match (listed, all) {
-        (Some((.., reason)), Some(Without::Kept(_))) => (Fate::Harmless, (*reason).to_owned()),
+    match (listed(HARMLESS), all) {
+        (Some(reason), Some(Without::Kept(_))) => (Fate::Harmless, reason.to_owned()),
         (_, Some(Without::Kept(_))) => (Fate::Open, "all properties hold".to_owned()),
         (_, Some(Without::Unknown(i, limit))) => (Fate::Open, format!("{}: {limit}", case.machine.properties[i].name)),
         (_, other) => (Fate::Open, if other.is_none() { "no scenario fails".to_owned() } else { String::new() }),
     }
 }
 
-/// Whether the outputs of two machines are the same in every scan of every run in which the same comes in.
-fn same(right: &Machine, wrong: &Machine, program: Program, limits: &Limits) -> bool {
+/// Whether the outputs of two machines are the same in every scan of every run in which the same comes in; without limits
+/// only if that shows in a single scan.
+fn same(right: &Machine, wrong: &Machine, program: Program, limits: Option<&Limits>) -> bool {
     let (Ok(a), Ok(b)) = (system(right, program, false), system(wrong, program, false)) else { return false };
     let mut both = System::default();
     let differ = {
@@ -147,6 +205,7 @@ fn same(right: &Machine, wrong: &Machine, program: Program, limits: &Limits) -> 
     if differ == Lit::FALSE || inductive(&both, a.system.latches.len(), differ) {
         return true;
     }
+    let Some(limits) = limits else { return false };
     both.claim("the outputs differ", Property::Never(differ));
     let limits = Limits { steps: 1_000_000, scans: 12, conflicts: 5_000, ..*limits };
     let report = engine::check(&both, &limits, Choice::Automatic, &|| false, &mut |_| {});
@@ -222,7 +281,8 @@ fn inductive(both: &System, half: usize, differ: Lit) -> bool {
 
 #[test]
 fn a_wrong_model_is_found_wrong() {
-    let wanted: usize = std::env::var("CHARTWRIGHT_MODEL_MUTANTS").ok().and_then(|n| n.parse().ok()).unwrap_or(30);
+    let asked: Option<usize> = std::env::var("CHARTWRIGHT_MODEL_MUTANTS").ok().and_then(|n| n.parse().ok());
+    let (wanted, thorough) = (asked.unwrap_or(24), asked.is_some());
     let mut cases = cases();
     let mut rng = Rng::new(7);
     cases.iter_mut().for_each(|case| rng.shuffle(&mut case.mutants));
@@ -236,7 +296,7 @@ fn a_wrong_model_is_found_wrong() {
             }
             let mutant = &case.mutants[round];
             let start = std::time::Instant::now();
-            let (fate, why) = fate(case, mutant);
+            let (fate, why) = fate(case, mutant, thorough);
             println!("{:?} {}: {} ({why}; {:?})", fate, case.name, mutant.what, start.elapsed());
             *counts.entry((mutant.kind, fate)).or_default() += 1;
             if fate == Fate::Open {
@@ -250,6 +310,7 @@ fn a_wrong_model_is_found_wrong() {
     assert!(open.is_empty(), "nobody finds anything wrong with {} of {made}:\n{}", open.len(), open.join("\n"));
     let of = |fate: Fate| counts.iter().filter(|((_, f), _)| *f == fate).map(|(_, n)| n).sum::<usize>();
     assert!(of(Fate::Violates) * 3 > made, "{} violate a property", of(Fate::Violates));
+    assert!(of(Fate::Later) * 4 <= made, "{} take more effort", of(Fate::Later));
 }
 
 #[test]

@@ -42,8 +42,8 @@ struct JsonConstraint {
     /// The code of the error for which the compiler refuses what is left.
     code: Option<String>,
     reason: Option<String>,
-    /// Those that imply it.
-    implied_by: Vec<String>,
+    /// Those that imply it together with the assumptions, if that is so.
+    implied_by: Option<Vec<String>>,
 }
 
 /// Runs `chartwright verify --needed`.
@@ -146,7 +146,7 @@ fn result(found: &Needed) -> Result {
             scenario: None,
             code: None,
             reason: None,
-            implied_by: Vec::new(),
+            implied_by: None,
         };
         match without {
             Without::Violated(loss) => {
@@ -163,7 +163,10 @@ fn result(found: &Needed) -> Result {
                 json.code = Some(error.code.to_string());
                 json.reason = Some(error.message.clone());
             }
-            Without::Kept(implied) => json.implied_by = implied.iter().map(|&c| name(machine, c).to_owned()).collect(),
+            Without::Kept(implied) => {
+                let names = |ids: &Vec<ConstraintId>| ids.iter().map(|&c| name(machine, c).to_owned()).collect();
+                json.implied_by = implied.as_ref().map(names);
+            }
             Without::Unknown(i, limit) => {
                 json.property = Some(property(machine, *i));
                 json.reason = Some(limit.to_string());
@@ -198,8 +201,9 @@ fn human(found: &Needed, time: Duration) -> String {
             Without::Refused(error) => {
                 write!(text, ": without it the compiler refuses the model ({}: {})", error.code, error.message)
             }
-            Without::Kept(implied) if implied.is_empty() => Ok(()),
-            Without::Kept(implied) => {
+            Without::Kept(None) => Ok(()),
+            Without::Kept(Some(implied)) if implied.is_empty() => write!(text, ": implied by the assumptions"),
+            Without::Kept(Some(implied)) => {
                 let names: Vec<&str> = implied.iter().map(|&c| name(machine, c)).collect();
                 write!(text, ": implied by {}", names.join(", "))
             }

@@ -56,8 +56,9 @@ pub enum Without {
     Violated(Box<Loss>),
     /// The compiler refuses what is left, because of that.
     Refused(Box<Diagnostic>),
-    /// All properties that hold with it hold without it. Where others imply it, these.
-    Kept(Vec<ConstraintId>),
+    /// All properties that hold with it hold without it. If others imply it together with the assumptions, these; none
+    /// of them if the assumptions do alone.
+    Kept(Option<Vec<ConstraintId>>),
     /// Nobody knows: of that property, because of that.
     Unknown(usize, Limit),
     /// What is left cannot be verified.
@@ -119,7 +120,7 @@ pub fn needed(
             all.expect("with all effort there is an answer")
         });
         if let (Without::Kept(implied), Some(r)) = (&mut answer, redundant.iter().find(|r| r.constraint == id)) {
-            implied.clone_from(&r.implied_by);
+            *implied = Some(r.implied_by.clone());
         }
         found.push((id, answer));
     }
@@ -220,7 +221,7 @@ pub fn compare(
     let asked: Vec<Asked> = asked.collect();
     let search = Search { subject: &subject, asked: &asked, options, effort, stop };
     Some(match search.run()? {
-        Ok(None) => Without::Kept(Vec::new()),
+        Ok(None) => Without::Kept(None),
         Ok(Some((lost, trace))) => {
             let Asked { index, here, certain, .. } = asked[lost];
             let question = Question::Declared(here);

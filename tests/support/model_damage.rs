@@ -7,8 +7,6 @@ pub struct Mutant {
     pub source: String,
     /// What is wrong.
     pub kind: Kind,
-    /// The constraint, observer or chart in which it is.
-    pub part: String,
     /// What it is, in words.
     pub what: String,
 }
@@ -57,13 +55,13 @@ pub fn mutants(source: &str) -> Vec<Mutant> {
             part = words.get(1).map_or_else(String::new, |w| (*w).to_owned());
         }
         let code = line.split("//").next().expect("a line has a beginning");
-        let mut put = |kind, part: &str, with: Option<String>, what: String| {
+        let mut put = |kind, with: Option<String>, what: String| {
             let changed = lines.iter().enumerate().filter_map(|(j, l)| match (i == j, &with) {
                 (false, _) => Some((*l).to_owned()),
                 (true, with) => with.clone(),
             });
             let source = changed.collect::<Vec<_>>().join("\n") + "\n";
-            all.push(Mutant { source, kind, part: part.to_owned(), what });
+            all.push(Mutant { source, kind, what });
         };
         match section {
             Section::Safety => {
@@ -75,32 +73,32 @@ pub fn mutants(source: &str) -> Vec<Mutant> {
                 if name.starts_with("assume") {
                     continue;
                 }
-                put(Kind::Dropped, name, None, format!("{name} is left out"));
+                put(Kind::Dropped, None, format!("{name} is left out"));
                 for (at, atom) in atoms(code, never + ": never ".len()) {
                     let with = negated(line, at);
-                    put(Kind::Negated, name, Some(with), format!("{atom} is negated in {name}"));
+                    put(Kind::Negated, Some(with), format!("{atom} is negated in {name}"));
                 }
             }
             Section::Observer => {
                 let Some(when) = code.find(" when ") else { continue };
                 for (at, atom) in atoms(code, when + " when ".len()) {
                     let place = format!("{part}: {}", code.trim());
-                    put(Kind::Misled, &part, Some(negated(line, at)), format!("{atom} is negated in {place}"));
+                    put(Kind::Misled, Some(negated(line, at)), format!("{atom} is negated in {place}"));
                     // What it sees of the last scan already cannot be seen any later like this.
                     if !atom.contains('(') && !code.contains("after filter") {
                         let late = format!("{}prev({atom}){}", &line[..at], &line[at + atom.len()..]);
-                        put(Kind::Late, &part, Some(late), format!("{atom} is seen late in {place}"));
+                        put(Kind::Late, Some(late), format!("{atom} is seen late in {place}"));
                     }
                 }
                 if let Some(late) = before_the_filter(line) {
-                    put(Kind::Late, &part, Some(late), format!("the filter is seen late in {part}: {}", code.trim()));
+                    put(Kind::Late, Some(late), format!("the filter is seen late in {part}: {}", code.trim()));
                 }
             }
             Section::Chart => {
                 let Some(when) = code.find(" when ") else { continue };
                 for (at, atom) in atoms(code, when + " when ".len()) {
                     let what = format!("{atom} is negated in {part}: {}", code.trim());
-                    put(Kind::Misguided, &part, Some(negated(line, at)), what);
+                    put(Kind::Misguided, Some(negated(line, at)), what);
                 }
             }
             Section::Other => {}

@@ -12,24 +12,24 @@ use chartwright::pipeline::{self, Dialect, without};
 const PRESS: &str = r#"
     machine Press
     cycle 10ms
-    inputs { Left  Right  Guard  Top }
+    inputs { LeftHand  RightHand  Guard  Top }
     outputs { DOWN  LAMP }
     actuator Ram onoff by DOWN
     actuator Lamp onoff by LAMP
     chart C {
-      initial state Up { drives DOWN when Left and Right and Guard }
+      initial state Up { drives DOWN when LeftHand and RightHand and Guard }
     }
     safety supervisor {
       S1: never DOWN and not Guard "no stroke with an open guard"
-      S2: never DOWN and not Guard and Left "the same, but less"
-      S3: never LAMP and not Left "the lamp waits for the left hand"
-      S4: never rise(LAMP) and Right "the lamp does not come on in the right hand"
+      S2: never DOWN and not Guard and LeftHand "the same, but less"
+      S3: never LAMP and not LeftHand "the lamp waits for the left hand"
+      S4: never rise(LAMP) and RightHand "the lamp does not come on in the right hand"
       C1: never DOWN and LAMP yields LAMP "the lamp is dark below"
     }
     properties {
       P1: never DOWN and not Guard
       P2: never DOWN and LAMP
-      P3: never acts(S3) and Left
+      P3: never acts(S3) and LeftHand
     }
 "#;
 
@@ -76,7 +76,7 @@ fn without_some_constraints_others_are_needed() {
     let (first, kept) = found.properties[0];
     assert_eq!((found.machine.properties[first].name.as_str(), kept), ("P1", Kept::No));
     assert_eq!(told(&found), ["S2: kept", "S3: kept", "S4: kept", "C1: P2"]);
-    let narrow = PRESS.replace("P1: never DOWN and not Guard", "P1: never DOWN and not Guard and Left");
+    let narrow = PRESS.replace("P1: never DOWN and not Guard", "P1: never DOWN and not Guard and LeftHand");
     let found = ask(&narrow, &Options { without: vec!["S1".to_owned()], ..any() });
     assert_eq!(told(&found)[0], "S2: P1");
 }
@@ -85,7 +85,7 @@ fn without_some_constraints_others_are_needed() {
 fn where_nothing_is_kept_nothing_is_needed() {
     let broken = PRESS.replace("P1: never DOWN and not Guard", "P1: never DOWN and Guard");
     let broken = broken.replace("P2: never DOWN and LAMP", "P2: never LAMP");
-    let broken = broken.replace("P3: never acts(S3) and Left", "P3: never acts(S3)");
+    let broken = broken.replace("P3: never acts(S3) and LeftHand", "P3: never acts(S3)");
     assert!(ask(&broken, &any()).without.is_empty());
 }
 
@@ -96,8 +96,8 @@ fn the_compiler_may_refuse_what_is_left() {
         "C1: never DOWN and LAMP yields LAMP",
         "S0: never not LAMP and Top\n      S5: never DOWN and Top\n      C1: never DOWN and LAMP yields LAMP",
     );
-    let text = text.replace("S3: never LAMP and not Left", "").replace("S4: never rise(LAMP) and Right", "");
-    let text = text.replace(r#""the lamp waits for the left hand""#, "").replace("P3: never acts(S3) and Left", "");
+    let text = text.replace("S3: never LAMP and not LeftHand", "").replace("S4: never rise(LAMP) and RightHand", "");
+    let text = text.replace(r#""the lamp waits for the left hand""#, "").replace("P3: never acts(S3) and LeftHand", "");
     let text = text.replace(r#""the lamp does not come on in the right hand""#, "");
     let found = ask(&text, &any());
     let told = told(&found);

@@ -22,7 +22,7 @@ pub enum Kind {
     Misled,
     /// An observer sees something a scan late.
     Late,
-    /// A literal in a guard of a chart is negated.
+    /// A literal in a guard of a chart, or in a condition of a function, is negated.
     Misguided,
 }
 
@@ -49,7 +49,7 @@ pub fn mutants(source: &str) -> Vec<Mutant> {
             section = match words[0] {
                 "safety" => Section::Safety,
                 "observer" => Section::Observer,
-                "chart" => Section::Chart,
+                "chart" | "function" | "sequence" => Section::Chart,
                 _ => Section::Other,
             };
             part = words.get(1).map_or_else(String::new, |w| (*w).to_owned());

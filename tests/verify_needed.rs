@@ -49,8 +49,9 @@ fn told(found: &Needed) -> Vec<String> {
         let what = match without {
             Without::Violated(loss) => found.machine.properties[loss.property].name.clone(),
             Without::Refused(error) => error.code.to_string(),
-            Without::Kept(implied) => {
-                format!("kept {}", implied.iter().map(|&c| name(c)).collect::<Vec<_>>().join(" "))
+            Without::Kept(None) => "kept".to_owned(),
+            Without::Kept(Some(implied)) => {
+                format!("kept by {}", implied.iter().map(|&c| name(c)).collect::<Vec<_>>().join(" "))
             }
             Without::Unknown(..) | Without::Unverified(_) => "unknown".to_owned(),
         };

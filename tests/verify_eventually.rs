@@ -168,7 +168,7 @@ fn aiger_and_btor2_say_the_same_of_what_comes_eventually() {
             // A run in which all of it comes again and again refutes the claim.
             file.claims.clear();
             file.claim("no such run", Property::Eventually { after: Lit::TRUE, then: Lit::FALSE });
-            let report = check(&file, &Limits::default(), Choice::Only(Engine::Exact), &|| false, &mut |_| {});
+            let report = check(&file, None, &Limits::default(), Choice::Only(Engine::Exact), &|| false, &mut |_| {});
             assert_eq!(report.findings[0].verdict == Verdict::Holds, expected, "{seed}");
         }
         let text = smv::write(&system);

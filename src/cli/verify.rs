@@ -174,6 +174,7 @@ fn engine(engine: Engine) -> &'static str {
         Engine::Exact => "exact",
         Engine::Bounded => "bounded",
         Engine::Proof => "proof",
+        Engine::Chance => "chance",
     }
 }
 

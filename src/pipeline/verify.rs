@@ -9,7 +9,7 @@ use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
 use crate::verify::aig::lanes;
-use crate::verify::engine::{self, Choice, Engine, Progress};
+use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::system::Trace;
 use crate::verify::{Limit, Limits, Verdict};
@@ -138,7 +138,17 @@ pub fn verify(
             return (Some(verified), diagnostics);
         }
     };
-    let report = engine::check(&subject.system, &options.limits, options.choice, stop, progress);
+    // What holds behind any program holds behind the charts.
+    let any = match options.program {
+        Program::Chart => Subject::new(&verified.machine, Program::Any, options.open).ok(),
+        Program::Any => None,
+    };
+    let coarser = any.as_ref().map(|any| {
+        let there = |q: &Question| any.questions.iter().position(|asked| asked == q);
+        let claims = subject.questions.iter().map(there).collect();
+        Coarser { system: &any.system, claims }
+    });
+    let report = engine::check(&subject.system, coarser.as_ref(), &options.limits, options.choice, stop, progress);
     let mut answers = Vec::new();
     for (&question, finding) in subject.questions.iter().zip(report.findings) {
         let hopes = question.hopes_for_a_run(subject.machine);

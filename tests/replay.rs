@@ -12,7 +12,7 @@ use chartwright::verify::machine::Subject;
 use chartwright::verify::{Choice, Limits, Property, Trace, Verdict, check};
 
 fn options(open: bool) -> Options {
-    Options { program: Program::Chart, open, choice: Choice::Automatic, limits: Limits::default() }
+    Options { open, ..Options::default() }
 }
 
 fn model(name: &str) -> String {

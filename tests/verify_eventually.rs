@@ -5,7 +5,7 @@ use crate::support::rng::Rng;
 use crate::support::systems::{comes, random_fair};
 use crate::verify_export::{ask, read_aiger};
 use chartwright::pipeline;
-use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
+use chartwright::pipeline::verify::{Options, Question, Status, Verified, verify};
 use chartwright::simulate::scenario::play;
 use chartwright::verify::aig::Lit;
 use chartwright::verify::export::{aiger, btor2, smv};
@@ -18,7 +18,7 @@ fn press() -> String {
 
 fn look(text: &str, open: bool, choice: Choice) -> Verified {
     let limits = Limits { scans: 20, ..Limits::default() };
-    let options = Options { program: Program::Chart, open, choice, limits };
+    let options = Options { open, choice, limits, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }

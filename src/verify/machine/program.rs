@@ -150,6 +150,7 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
         commands: pick(&then.commands, &otherwise.commands),
         acted: pick(&then.acted, &otherwise.acted),
         broken: pick(&then.broken, &otherwise.broken),
+        beyond: pick(&then.beyond, &otherwise.beyond),
         begins: pick(&then.begins, &otherwise.begins),
         readings,
         after: map(&then.after, &mut |_| bits.next().expect("both remember the same")),

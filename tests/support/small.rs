@@ -117,12 +117,12 @@ impl Small {
     /// runs it lets the state `Anything.Go` drive each output by the input that is called `Free` and its name.
     pub fn any(&self) -> String {
         let mut inputs: String = self.outputs.iter().map(|o| format!(" Free{o}")).collect();
-        let mut charts = "chart Anything { initial state Go {".to_owned();
+        let mut charts = "chart Anything { initial state Go".to_owned();
         if self.variable {
-            inputs += " FreeVar";
-            charts += " sets Var when FreeVar resets Var when not FreeVar";
+            inputs += " FreeMem";
+            charts += " { sets Mem when FreeMem resets Mem when not FreeMem }";
         }
-        charts += " } }\n";
+        charts += " }\n";
         if self.event {
             inputs += " FreeEv";
             charts += "chart AnyEvent {\n  initial choice Begin { when FreeEv to Yes else to No }\n  \
@@ -147,7 +147,7 @@ impl Small {
         }
         let _ = writeln!(out, "{more} }}\noutputs {{ {} }}", self.outputs.join(" "));
         if self.variable {
-            out += "variables { Var : BOOL }\n";
+            out += "variables { Mem : BOOL }\n";
         }
         if self.integer {
             out += "variables { Num : 0..2 }\n";
@@ -223,7 +223,7 @@ impl Small {
             (_, 4) => format!("prev({output})"),
             (Reads::Observer | Reads::AfterFilter, _) => input,
             (_, 6) if observer => format!("in(Watch.Seen{state})"),
-            (_, 7) if self.variable => "Var".to_owned(),
+            (_, 7) if self.variable => "Mem".to_owned(),
             (_, 8) if self.event => "Ev".to_owned(),
             (_, 9) if self.integer => number.expect("there is an integer"),
             (Reads::Property, 6) => hidden.map(|h| past(&mut self.rng, &h)).unwrap_or(output),
@@ -330,7 +330,7 @@ impl Small {
             for i in 0..self.rng.between(1, 3) {
                 let when = self.condition(Reads::Step);
                 let mut outcomes = Vec::new();
-                for _ in 0..self.rng.between(1, 2) {
+                for outcome in 0..self.rng.between(1, 2) {
                     let what = match self.hidden.choose_one(&mut self.rng) {
                         Some(bit) if !self.counts || self.rng.chance(50) => {
                             format!("{} {bit}", self.rng.pick(&["set", "reset"]))
@@ -338,7 +338,7 @@ impl Small {
                         _ => format!("set Cnt := {}", self.rng.pick(&["Cnt + 1", "Cnt - 1", "0", "2 - Cnt"])),
                     };
                     let when =
-                        if self.rng.chance(40) { format!(" when {}", self.condition(Reads::Step)) } else { String::new() };
+                        if outcome > 0 || self.rng.chance(40) { format!(" when {}", self.condition(Reads::Step)) } else { String::new() };
                     outcomes.push(what + &when);
                 }
                 let _ = writeln!(text, "  step \"number {i}\" when {when} then {}", outcomes.join(", "));
@@ -385,7 +385,7 @@ impl Small {
                 let _ = write!(inside, " drives Out{output}{when}");
             }
             if self.variable && self.rng.chance(25) {
-                let _ = write!(inside, " {} Var when {}", self.rng.pick(&["sets", "resets"]), self.condition(Reads::Guard));
+                let _ = write!(inside, " {} Mem when {}", self.rng.pick(&["sets", "resets"]), self.condition(Reads::Guard));
             }
             if self.event && self.rng.chance(20) {
                 inside += " entry raise Ev";
@@ -394,7 +394,8 @@ impl Small {
                 let guard = self.guard();
                 let _ = write!(inside, "\n    initial state Deep0\n    final state Deep1\n    from Deep0 to Deep1 when {guard}\n    ");
             }
-            let _ = writeln!(text, "  {}state S{s} {{{inside} }}", if s == 0 { "initial " } else { "" });
+            let braces = if inside.is_empty() { inside } else { format!(" {{{inside} }}") };
+            let _ = writeln!(text, "  {}state S{s}{braces}", if s == 0 { "initial " } else { "" });
         }
         for s in 0..states {
             for way in 0..self.rng.between(1, 2) {
@@ -402,7 +403,7 @@ impl Small {
                 let guard = self.guard();
                 let mut effects = Vec::new();
                 if self.variable && self.rng.chance(30) {
-                    effects.push(format!("{} Var", self.rng.pick(&["set", "reset"])));
+                    effects.push(format!("{} Mem", self.rng.pick(&["set", "reset"])));
                 }
                 if self.event && self.rng.chance(30) {
                     effects.push("raise Ev".to_owned());
@@ -464,7 +465,8 @@ impl Small {
                 0..=1 => (format!("P{i}: never {condition}"), true),
                 2 => (format!("P{i}: always {condition}"), true),
                 3 => (format!("P{i}: reachable {condition}"), true),
-                4..=5 => (format!("P{i}: always possible {condition}"), true),
+                4 => (format!("P{i}: always possible {condition}"), true),
+                5 => (format!("P{i}: always possible in(Main.S1) and {condition}"), false),
                 6 => (format!("P{i}: always eventually {condition}"), false),
                 7 => (format!("P{i}: after in(Main.S1) eventually {condition}"), false),
                 _ => (format!("P{i}: after {} eventually {condition}", self.condition(Reads::Property)), false),

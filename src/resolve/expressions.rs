@@ -220,6 +220,9 @@ impl Resolver {
     /// Whether the path can only mean a state of an observer.
     fn observed(&self, path: &PathRef) -> bool {
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
+        if let (Some(first), [_, _, ..]) = (self.chart(parts[0].0), &parts[..]) {
+            return self.machine.kind(first) == chart::ChartKind::Observer;
+        }
         let found = self.anywhere(&parts);
         !found.is_empty() && found.iter().all(|&s| self.machine.observes(s))
     }

@@ -17,8 +17,8 @@ use program::{Memories, Scan, Timer};
 use std::collections::HashMap;
 
 /// More states or edges than this are too many.
-const STATES: usize = 4_000;
-const EDGES: usize = 150_000;
+const STATES: usize = 1_500;
+const EDGES: usize = 60_000;
 
 /// A machine whose runs are gone through.
 pub struct Explorer<'m> {

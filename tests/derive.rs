@@ -2,7 +2,7 @@
 //! of machines.md, and any by trying all that a plant can do.
 
 use crate::support::binary::{Scratch, chartwright, code, stderr, stdout};
-use crate::support::models::repository;
+use crate::support::models::{repository, timed};
 use crate::support::rng::Rng;
 use chartwright::base::Code;
 use chartwright::ir::chart::{Atom, Machine, OutputId, Technology};
@@ -80,7 +80,7 @@ fn the_prehensor_has_the_constraints_of_the_table() {
 fn the_prehensor_never_comes_where_it_must_not() {
     let d = Scratch::new("prehensor");
     for valve in ["memory", "closed-centre"] {
-        d.write("p.chart", prehensor().replace("valve memory", &format!("valve {valve}")));
+        d.write("p.chart", timed("prehensor").replace("valve memory", &format!("valve {valve}")));
         for (seed, program) in [(1, "chart"), (2, "plc"), (3, "chart"), (4, "plc")] {
             let arguments = format!("simulate p.chart --seed {seed} --scans 20000 --program {program} --output csv");
             let output = chartwright(d.path(), &arguments);

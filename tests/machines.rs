@@ -1,17 +1,17 @@
 //! The example machines, and what becomes of them where a part is left out or done in another way: what
-//! the papers, or a model checker, say of it shows in a simulation, too.
+//! the papers, or a model checker, say of it shows in a simulation, too. What a plant of any speed makes of
+//! them is for `machines_verified`.
 
-use crate::support::models::repository;
+use crate::support::models::timed;
 use crate::support::rng::Rng;
 use chartwright::ir::chart::Machine;
 use chartwright::ir::scenario::Given;
 use chartwright::pipeline;
 use chartwright::simulate::run::{Program, Run};
 
-/// The text of a model with some of it replaced, everywhere where it stands.
+/// The text of a model in a plant that moves at a given speed, with some of it replaced, everywhere where it stands.
 fn model(name: &str, changes: &[(&str, &str)]) -> String {
-    let path = repository("models").join(format!("{name}.chart"));
-    let mut source = std::fs::read_to_string(path).expect("the model is there");
+    let mut source = timed(name);
     for (from, to) in changes {
         assert!(source.contains(from), "{name} does not hold {from:?}");
         source = source.replace(from, to);

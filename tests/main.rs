@@ -14,6 +14,7 @@ mod layers;
 mod layout;
 mod licences;
 mod machines;
+mod machines_verified;
 mod mutants;
 mod never_entered;
 mod observers;

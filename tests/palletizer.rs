@@ -2,7 +2,7 @@
 //!
 //! `CHARTWRIGHT_CHANCE_SCANS=1200000 cargo test palletizer` makes a long run of it.
 
-use crate::support::models::repository;
+use crate::support::models::timed;
 use chartwright::ir::chart::Machine;
 use chartwright::ir::scenario::{Condition, Doing, Given};
 use chartwright::pipeline;
@@ -37,7 +37,7 @@ fn pallets(machine: &Machine, scans: u64) -> Result<usize, String> {
 }
 
 fn source() -> String {
-    std::fs::read_to_string(repository("models/palletizer.chart")).expect("the model is in the repository")
+    timed("palletizer")
 }
 
 #[test]

@@ -327,6 +327,24 @@ impl Aig {
         roots.iter().map(|l| image[l.node()].xor(l.is_negated())).collect()
     }
 
+    /// The functions that are left of `roots` where some literals are known: a graph with the same leaves, and what stands
+    /// there for each node that the roots depend on.
+    pub fn restrict(&self, roots: &[Lit], known: &[(Lit, bool)]) -> (Aig, Vec<Lit>) {
+        let mut aig = Aig::new();
+        let leaves: Vec<Lit> = self.names.iter().map(|name| aig.leaf(name.as_str())).collect();
+        let mut value: Vec<Option<Lit>> = vec![None; self.len()];
+        known.iter().for_each(|(l, v)| value[l.node()] = Some(Lit::of(*v != l.is_negated())));
+        let mut image = vec![Lit::FALSE; self.len()];
+        for n in self.cone(roots) {
+            image[n] = value[n].unwrap_or_else(|| match self.nodes[n] {
+                Node::False => Lit::FALSE,
+                Node::Leaf(number) => leaves[number as usize],
+                Node::And(a, b) => aig.and(image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated())),
+            });
+        }
+        (aig, image)
+    }
+
     /// The nodes that `roots` depend on, themselves included, in topological order.
     pub fn cone(&self, roots: &[Lit]) -> Vec<usize> {
         let mut seen = vec![false; self.nodes.len()];

@@ -14,6 +14,7 @@
 //! a late scan included.
 
 mod histories;
+mod reading;
 mod unknown;
 
 use super::chart_filter;
@@ -21,12 +22,12 @@ use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{
-    Atom, ChartKind, Deeds, Guard, Inside, Machine, Phase, RegionId, ScanNumber, StateId, StateKind, TransitionId,
-    VariableId,
+    Atom, ChartKind, Deeds, Inside, Machine, Phase, ScanNumber, StateId, StateKind, TransitionId, VariableId,
 };
 use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
 
+use reading::Reading;
 pub use unknown::Unknown;
 
 /// What a chart remembers from scan to scan.
@@ -558,48 +559,5 @@ struct Given<'a> {
 impl<'a> Given<'a> {
     fn with(self, now: &'a Now) -> Reading<'a> {
         Reading { given: self, active: &now.active, variables: &now.variables, integers: &now.integers }
-    }
-}
-
-/// What an expression reads where it stands.
-struct Reading<'a> {
-    given: Given<'a>,
-    active: &'a [Lit],
-    variables: &'a [Lit],
-    integers: &'a [Vector],
-}
-
-impl Reading<'_> {
-    fn guard(&self, aig: &mut Aig, guard: &Guard) -> Lit {
-        aig.expression(guard, &mut |aig, &atom| self.atom(aig, atom))
-    }
-
-    fn atom(&self, aig: &mut Aig, atom: Atom) -> Lit {
-        match atom {
-            Atom::Input(i) => self.given.inputs[i.index()],
-            Atom::PrevInput(i) => self.given.before.inputs[i.index()],
-            Atom::Output(o) => {
-                self.given.outputs.expect("what reads outputs of this scan comes after the filter")[o.index()]
-            }
-            Atom::PrevOutput(o) => self.given.before.outputs[o.index()],
-            Atom::Variable(v) => self.variables[v.index()],
-            Atom::Event(e) => self.given.before.raised[e.index()],
-            Atom::Compare(c) => numbers::compare(aig, &self.given.step.machine.comparisons[c], self.integers),
-            Atom::In(s) => self.active[s.index()],
-            Atom::After(s, ms) => self.given.elapsed[self.given.step.timers[&(s, ms)]],
-            Atom::Done(s) => {
-                let regions: Vec<Lit> =
-                    self.given.step.machine.states[s].regions.iter().map(|&r| self.ended(aig, r)).collect();
-                aig.all(&regions)
-            }
-        }
-    }
-
-    fn ended(&self, aig: &mut Aig, region: RegionId) -> Lit {
-        let machine = self.given.step.machine;
-        let states = machine.regions[region].states.iter();
-        let last = states.filter(|&&s| machine.states[s].kind == StateKind::Final);
-        let last: Vec<Lit> = last.map(|s| self.active[s.index()]).collect();
-        aig.any(&last)
     }
 }

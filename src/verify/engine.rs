@@ -83,6 +83,9 @@ const GLANCE: u64 = 2_000;
 /// Conflicts for one question about the first scans.
 const QUESTION: u64 = 20_000;
 
+/// How many times the operations are allowed where there are several kinds of scans.
+const PATIENCE: u64 = 20;
+
 /// Answers all claims as far as the limits allow.
 pub fn check(
     system: &System,
@@ -105,7 +108,7 @@ pub fn check(
     let mut exact = limit;
     let alone = choice == Choice::Only(Engine::Exact);
     if may(Engine::Exact) {
-        let explored = check.explore(if alone { u64::MAX } else { limits.steps });
+        let explored = check.explore(if alone { u64::MAX } else { patience(system, limits) });
         report.states = explored.0;
         report.scans = report.states.is_some().then_some(explored.1);
         limit = explored.2.unwrap_or(limit);
@@ -134,6 +137,11 @@ pub fn check(
         report.findings.push(found.unwrap_or_else(open));
     }
     report
+}
+
+/// How many operations the exact engine gets. Of several kinds of scans none touches much; then it is seldom in vain.
+fn patience(system: &System, limits: &Limits) -> u64 {
+    if system.alternatives.is_empty() { limits.steps } else { limits.steps.saturating_mul(PATIENCE) }
 }
 
 struct Check<'s, 'a, 'p> {

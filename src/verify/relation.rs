@@ -3,20 +3,18 @@
 //! The parts are never put together: the image of a set meets them one after another, and what no
 //! later part reads is quantified at once (Burch, Clarke, Long, 1991; Ranjan et al., 1995). Where a gate
 //! is large and several others read it, it becomes a variable of its own, with a part that says what it
-//! is: shared functions are not multiplied out.
+//! is: shared functions are not multiplied out. If there are several kinds of scans, each has parts of its own, which
+//! say nothing of latches that it does not change.
 
-use super::aig::{Lit, Node};
+mod build;
+mod schedule;
+
+use super::aig::Lit;
 use super::bdd::{Bdd, Edge, Var};
 use super::limits::{Limit, Limits, Stop};
-use super::order;
 use super::system::System;
-use std::collections::{HashMap, HashSet};
-
-/// A gate that has more nodes than this and is read more than once becomes a variable.
-const CUT: usize = 400;
-
-/// Parts are put together up to this many nodes.
-const CLUSTER: usize = 2_000;
+use build::{Build, Graph};
+use schedule::Schedule;
 
 /// A relation over the latches that claims depend on.
 pub struct Relation<'a> {
@@ -26,15 +24,21 @@ pub struct Relation<'a> {
     pub latches: Vec<usize>,
     /// For each of these, its variable before the scan.
     pub now: Vec<Var>,
-    /// For each of these, its variable after the scan.
-    pub then: Vec<Var>,
     /// States before any scan.
     pub initial: Edge,
-    /// For each literal asked for, and last for TRUE, what it takes to find the states from which inputs exist that satisfy
-    /// the constraints and make it TRUE.
-    asked: Vec<Asked>,
+    /// For each literal asked for, and last for TRUE, what it takes, for each kind of scan in which it can be, to find the states
+    /// from which inputs exist that satisfy the constraints and make it TRUE.
+    asked: Vec<Vec<Asked>>,
+    /// What each kind of scan does.
+    kinds: Vec<Kind>,
+}
+
+/// A kind of scan.
+struct Kind {
     forward: Schedule,
     backward: Schedule,
+    /// Replacements of variables: those of changed latches by what they were before, and the other way round; all others by
+    /// themselves.
     to_now: Vec<Var>,
     to_then: Vec<Var>,
 }
@@ -45,51 +49,50 @@ struct Asked {
     which: Schedule,
 }
 
-/// In which order a set meets the parts, and what is quantified with each.
-struct Schedule {
-    /// What no part reads, quantified before all.
-    before: Edge,
-    parts: Vec<(Edge, Edge)>,
-}
-
 impl<'a> Relation<'a> {
     /// The relation, and what it takes to find out what is possible of `asked`.
     pub fn new(system: &System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> Result<Self, Limit> {
-        let mut build = Build::new(system, asked, limits, stop);
-        let mut roots: Vec<Lit> = system.constraints.clone();
-        roots.extend(build.latches.iter().map(|&l| system.latches[l].next));
-        let images = build.functions(&roots, &[])?;
-        let (constraints, nexts) = images.split_at(system.constraints.len());
-        let constraints = constraints.to_vec();
-        // What a latch will be need not be worked out again where something reads it.
-        let mut defined = Vec::new();
-        let mut updates = Vec::new();
-        for (i, (&next, &then)) in nexts.iter().zip(&build.then.clone()).enumerate() {
-            let var = build.bdd.var(then)?;
-            updates.push((then, build.bdd.equal(var, next)?));
-            defined.push((system.latches[build.latches[i]].next, var));
+        let (mut build, graph) = Build::new(system, asked, limits, stop);
+        let mut parts = Parts { system, asked, questions: vec![Vec::new(); asked.len() + 1], changes: Vec::new() };
+        let alternatives = parts.alternatives(&graph, &build);
+        if alternatives.is_empty() {
+            parts.add(&mut build, &graph, None, None)?;
+        } else {
+            for known in &alternatives {
+                let (restricted, image) = graph.restrict(&parts.roots(&build), &known.gates);
+                let kind = Restricted { graph: &restricted, image: &image };
+                parts.add(&mut build, &graph, Some(kind), known.when)?;
+            }
         }
-        let mut claims = build.functions(asked, &defined)?;
-        claims.push(Edge::TRUE);
-        let Build { mut bdd, latches, now, then, given, cuts, .. } = build;
-        let definitions: Vec<(Var, Edge)> = cuts.iter().chain(&updates).copied().collect();
+        let Parts { questions, changes, .. } = parts;
+        let Build { mut bdd, latches, now, then, given, .. } = build;
         let everything: Vec<Var> = (0..bdd.variables()).collect();
         let hidden: Vec<Var> = given.iter().chain(&then).copied().collect();
         let mut asked = Vec::new();
-        for function in claims {
-            let mut parts = constraints.clone();
-            parts.push(function);
-            let parts = with_definitions(&bdd, parts, &definitions);
-            asked.push(Asked {
-                whether: Schedule::new(&mut bdd, &parts, &everything)?,
-                which: Schedule::new(&mut bdd, &parts, &hidden)?,
-            });
+        for question in questions {
+            let mut kinds = Vec::new();
+            for parts in question {
+                kinds.push(Asked {
+                    whether: Schedule::new(&mut bdd, &parts, &everything)?,
+                    which: Schedule::new(&mut bdd, &parts, &hidden)?,
+                });
+            }
+            asked.push(kinds);
         }
-        let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
-        let parts = cluster(&mut bdd, parts)?;
-        let quantify = |vars: &[Var]| -> Vec<Var> { vars.iter().chain(&given).copied().collect() };
-        let forward = Schedule::new(&mut bdd, &parts, &quantify(&now))?;
-        let backward = Schedule::new(&mut bdd, &parts, &quantify(&then))?;
+        let mut kinds = Vec::new();
+        for Change { parts, changed } in changes {
+            let parts = schedule::cluster(&mut bdd, parts)?;
+            let of =
+                |vars: &[Var]| -> Vec<Var> { changed.iter().map(|&i| vars[i]).chain(given.iter().copied()).collect() };
+            let forward = Schedule::new(&mut bdd, &parts, &of(&now))?;
+            let backward = Schedule::new(&mut bdd, &parts, &of(&then))?;
+            let (mut to_now, mut to_then) = (everything.clone(), everything.clone());
+            for &i in &changed {
+                to_now[then[i] as usize] = now[i];
+                to_then[now[i] as usize] = then[i];
+            }
+            kinds.push(Kind { forward, backward, to_now, to_then });
+        }
         let mut initial = Edge::TRUE;
         for (&l, &var) in latches.iter().zip(&now) {
             if let Some(value) = system.latches[l].initial {
@@ -97,26 +100,30 @@ impl<'a> Relation<'a> {
                 initial = bdd.and(initial, var.xor(!value))?;
             }
         }
-        let mut to_now: Vec<Var> = everything.clone();
-        let mut to_then = everything;
-        for (&now, &then) in now.iter().zip(&then) {
-            to_now[then as usize] = now;
-            to_then[now as usize] = then;
-        }
-        Ok(Relation { bdd, latches, now, then, initial, asked, forward, backward, to_now, to_then })
+        Ok(Relation { bdd, latches, now, initial, asked, kinds })
     }
 
     /// Whether the literal of that index is possible in one of the states; `keep` must not be lost.
     pub fn is_possible(&mut self, asked: usize, states: Edge, keep: &[Edge]) -> Result<bool, Limit> {
-        let keep = self.roots(keep);
-        Ok(self.asked[asked].whether.meet(&mut self.bdd, states, &keep)? != Edge::FALSE)
+        let keep = self.roots(&[keep, &[states]].concat());
+        for kind in &self.asked[asked] {
+            if kind.whether.meet(&mut self.bdd, states, &keep)? != Edge::FALSE {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Those of the states in which it is.
     pub fn possible(&mut self, asked: usize, states: Edge, keep: &[Edge]) -> Result<Edge, Limit> {
-        let keep = self.roots(&[keep, &[states]].concat());
-        let found = self.asked[asked].which.meet(&mut self.bdd, states, &keep)?;
-        self.bdd.and(found, states)
+        let mut keep = self.roots(&[keep, &[states]].concat());
+        let mut all = Edge::FALSE;
+        for kind in &self.asked[asked] {
+            keep.push(all);
+            let found = kind.which.meet(&mut self.bdd, states, &keep)?;
+            all = self.bdd.or(all, found)?;
+        }
+        self.bdd.and(all, states)
     }
 
     /// The index to ask whether anything is possible.
@@ -126,16 +133,28 @@ impl<'a> Relation<'a> {
 
     /// The states after one scan from `from`.
     pub fn image(&mut self, from: Edge, keep: &[Edge]) -> Result<Edge, Limit> {
-        let keep = self.roots(keep);
-        let after = self.forward.meet(&mut self.bdd, from, &keep)?;
-        self.bdd.shift(after, &self.to_now, 0)
+        let mut keep = self.roots(&[keep, &[from]].concat());
+        let mut all = Edge::FALSE;
+        for (number, kind) in (0..).zip(&self.kinds) {
+            keep.push(all);
+            let after = kind.forward.meet(&mut self.bdd, from, &keep)?;
+            let after = self.bdd.shift(after, &kind.to_now, 2 * number)?;
+            all = self.bdd.or(all, after)?;
+        }
+        Ok(all)
     }
 
     /// The states from which one scan can lead to `to`.
     pub fn preimage(&mut self, to: Edge, keep: &[Edge]) -> Result<Edge, Limit> {
-        let keep = self.roots(keep);
-        let to = self.bdd.shift(to, &self.to_then, 1)?;
-        self.backward.meet(&mut self.bdd, to, &keep)
+        let mut keep = self.roots(&[keep, &[to]].concat());
+        let mut all = Edge::FALSE;
+        for (number, kind) in (0..).zip(&self.kinds) {
+            keep.push(all);
+            let to = self.bdd.shift(to, &kind.to_then, 2 * number + 1)?;
+            let before = kind.backward.meet(&mut self.bdd, to, &keep)?;
+            all = self.bdd.or(all, before)?;
+        }
+        Ok(all)
     }
 
     /// Frees what nobody needs, except `keep`, when half of what is allowed is taken.
@@ -166,8 +185,9 @@ impl<'a> Relation<'a> {
     fn roots(&self, keep: &[Edge]) -> Vec<Edge> {
         let mut roots = vec![self.initial];
         roots.extend(keep);
-        let asked = self.asked.iter().flat_map(|a| [&a.whether, &a.which]);
-        for schedule in [&self.forward, &self.backward].into_iter().chain(asked) {
+        let asked = self.asked.iter().flatten().flat_map(|a| [&a.whether, &a.which]);
+        let kinds = self.kinds.iter().flat_map(|k| [&k.forward, &k.backward]);
+        for schedule in asked.chain(kinds) {
             roots.push(schedule.before);
             roots.extend(schedule.parts.iter().flat_map(|&(part, cube)| [part, cube]));
         }
@@ -175,206 +195,116 @@ impl<'a> Relation<'a> {
     }
 }
 
-impl Schedule {
-    /// Greedy: next comes the part after which most can be quantified, and that brings in the least.
-    fn new(bdd: &mut Bdd<'_>, parts: &[Edge], quantify: &[Var]) -> Result<Schedule, Limit> {
-        let quantify: HashSet<Var> = quantify.iter().copied().collect();
-        let support: Vec<Vec<Var>> = parts.iter().map(|&p| bdd.support(p)).collect();
-        let mut readers = vec![0usize; bdd.variables() as usize];
-        support.iter().flatten().for_each(|&v| readers[v as usize] += 1);
-        let mut unread: Vec<Var> = quantify.iter().copied().filter(|&v| readers[v as usize] == 0).collect();
-        unread.sort_unstable();
-        let before = bdd.cube(&unread)?;
-        let mut seen: HashSet<Var> = HashSet::new();
-        let mut left: Vec<usize> = (0..parts.len()).collect();
-        let mut schedule = Schedule { before, parts: Vec::new() };
-        while !left.is_empty() {
-            let cost = |&p: &usize| -> (i64, usize) {
-                let ends = |v: &&Var| quantify.contains(v) && readers[**v as usize] == 1;
-                let fresh = |v: &&Var| !quantify.contains(v) && !seen.contains(v);
-                let ends = support[p].iter().filter(ends).count() as i64;
-                let fresh = support[p].iter().filter(fresh).count() as i64;
-                let open = support[p].iter().filter(|v| quantify.contains(v) && !seen.contains(v)).count() as i64;
-                (fresh * 2 + open - ends * 3, p)
-            };
-            let next = *left.iter().min_by_key(|p| cost(p)).expect("there is one left");
-            left.retain(|&p| p != next);
-            support[next].iter().for_each(|&v| readers[v as usize] -= 1);
-            seen.extend(&support[next]);
-            let ended: Vec<Var> =
-                support[next].iter().copied().filter(|&v| quantify.contains(&v) && readers[v as usize] == 0).collect();
-            let cube = bdd.cube(&ended)?;
-            schedule.parts.push((parts[next], cube));
-        }
-        Ok(schedule)
-    }
-
-    /// What is left of `set` when it has met all parts. Makes room where it has to; `keep` stays.
-    fn meet(&self, bdd: &mut Bdd<'_>, set: Edge, keep: &[Edge]) -> Result<Edge, Limit> {
-        let mut set = bdd.exists(set, self.before)?;
-        for &(part, cube) in &self.parts {
-            set = match bdd.and_exists(set, part, cube) {
-                Err(Limit::Nodes) if !keep.is_empty() => {
-                    bdd.collect(keep.iter().copied().chain([set]));
-                    bdd.and_exists(set, part, cube)?
-                }
-                other => other?,
-            };
-        }
-        Ok(set)
-    }
+/// What is known of the gates in a kind of scan.
+struct Known {
+    gates: Vec<(Lit, bool)>,
+    /// When it can be; nothing if it changes nothing that matters.
+    when: Option<Lit>,
 }
 
-/// The parts, and the definitions of what they read.
-fn with_definitions(bdd: &Bdd<'_>, mut parts: Vec<Edge>, definitions: &[(Var, Edge)]) -> Vec<Edge> {
-    let mut open: HashMap<Var, Edge> = definitions.iter().copied().collect();
-    let mut at = 0;
-    while at < parts.len() {
-        for var in bdd.support(parts[at]) {
-            parts.extend(open.remove(&var));
-        }
-        at += 1;
-    }
-    parts
+/// The graph of a kind of scan, and what stands there for each node of the system.
+#[derive(Clone, Copy)]
+struct Restricted<'g> {
+    graph: &'g Graph,
+    image: &'g [Lit],
 }
 
-/// Puts neighbouring parts together while they stay small.
-fn cluster(bdd: &mut Bdd<'_>, mut parts: Vec<Edge>) -> Result<Vec<Edge>, Limit> {
-    parts.retain(|&p| p != Edge::TRUE);
-    // Parts that begin at similar levels share variables.
-    let mut keyed: Vec<(u32, usize, Edge)> = Vec::new();
-    for (i, &part) in parts.iter().enumerate() {
-        let lowest = bdd.support(part).iter().map(|&v| bdd.level(v)).max().unwrap_or(0);
-        keyed.push((lowest, i, part));
-    }
-    keyed.sort_unstable();
-    let mut clusters: Vec<Edge> = Vec::new();
-    for (_, _, part) in keyed {
-        if let Some(last) = clusters.last_mut()
-            && bdd.size(*last, CLUSTER) + bdd.size(part, CLUSTER) < CLUSTER
-        {
-            let both = bdd.and(*last, part)?;
-            if bdd.size(both, CLUSTER) < CLUSTER {
-                *last = both;
-                continue;
-            }
-        }
-        clusters.push(part);
-    }
-    Ok(clusters)
+/// What a kind of scan changes.
+struct Change {
+    parts: Vec<Edge>,
+    /// The latches, by their place among those that matter.
+    changed: Vec<usize>,
 }
 
-/// Gates to diagrams.
-struct Build<'s, 'a> {
+/// The parts of all kinds of scans, while they are put together.
+struct Parts<'s> {
     system: &'s System,
-    bdd: Bdd<'a>,
-    latches: Vec<usize>,
-    now: Vec<Var>,
-    then: Vec<Var>,
-    /// Inputs, and gates that became variables.
-    given: Vec<Var>,
-    /// The gates that became variables, each with that it is what the gate says.
-    cuts: Vec<(Var, Edge)>,
-    rank: Vec<Option<u32>>,
-    /// For each leaf's node, its variable.
-    variable: Vec<Option<Var>>,
-    /// Ranks of nodes that are variables, each with the variable, in order.
-    ranked: Vec<(u32, Var)>,
+    asked: &'s [Lit],
+    questions: Vec<Vec<Vec<Edge>>>,
+    changes: Vec<Change>,
 }
 
-impl<'s, 'a> Build<'s, 'a> {
-    fn new(system: &'s System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> Self {
-        let roots: Vec<Lit> = system.constraints.iter().chain(asked).copied().collect();
-        let (latches, inputs) = system.cone(&roots);
-        let nexts = latches.iter().map(|&l| system.latches[l].next);
-        let leaves = latches.iter().map(|&l| system.latches[l].leaf);
-        let roots: Vec<Lit> = roots.iter().copied().chain(nexts).chain(leaves).collect();
-        let rank = order::force(system, &latches, &system.aig.cone(&roots));
-        let of_latches = latches.iter().map(|&l| (system.latches[l].leaf.node(), true));
-        let of_inputs = inputs.iter().map(|&i| (system.inputs[i].leaf.node(), false));
-        let mut leaves: Vec<(u32, usize, bool)> =
-            of_latches.chain(of_inputs).map(|(n, latch)| (rank[n].expect("it is in the cone"), n, latch)).collect();
-        leaves.sort_unstable();
-        let mut build = Build {
-            system,
-            bdd: Bdd::new(limits.nodes, limits.steps, stop),
-            latches,
-            now: Vec::new(),
-            then: Vec::new(),
-            given: Vec::new(),
-            cuts: Vec::new(),
-            rank,
-            variable: vec![None; system.aig.len()],
-            ranked: Vec::new(),
+impl Parts<'_> {
+    /// What is known in each kind of scan that matters; nothing if there is one kind only.
+    fn alternatives(&self, graph: &Graph, build: &Build<'_>) -> Vec<Known> {
+        let mut matters = vec![false; graph.aig.len()];
+        graph.aig.cone(&self.roots(build)).into_iter().for_each(|n| matters[n] = true);
+        let all = &self.system.alternatives;
+        let (those, others): (Vec<_>, Vec<_>) = all.iter().partition(|a| a.is.node() != 0 && matters[a.is.node()]);
+        let no = |except: Option<Lit>| {
+            those.iter().filter(move |a| Some(a.is) != except).map(|a| (a.is, false)).collect::<Vec<_>>()
         };
-        let mut then = vec![0; system.aig.len()];
-        for (rank, n, latch) in leaves {
-            let var = build.bdd.insert(build.bdd.variables());
-            build.variable[n] = Some(var);
-            build.ranked.push((rank, var));
-            if latch {
-                // A latch's two values stand side by side.
-                then[n] = build.bdd.insert(build.bdd.variables());
-            } else {
-                build.given.push(var);
-            }
+        let mut known: Vec<Known> = those
+            .iter()
+            .map(|a| {
+                let gates = a.choice.iter().copied().chain(no(Some(a.is))).chain([(a.is, true)]).collect();
+                Known { gates, when: Some(a.when) }
+            })
+            .collect();
+        // In all others nothing happens that matters.
+        if !known.is_empty() && !others.is_empty() {
+            known.push(Known { gates: no(None), when: None });
         }
-        for &l in &build.latches {
-            let n = system.latches[l].leaf.node();
-            build.now.push(build.variable[n].expect("a latch has a variable"));
-            build.then.push(then[n]);
-        }
-        build
+        known
     }
 
-    /// The diagrams of `roots`, in which what is `known` need not be worked out.
-    fn functions(&mut self, roots: &[Lit], known: &[(Lit, Edge)]) -> Result<Vec<Edge>, Limit> {
-        let aig = &self.system.aig;
-        let cone = aig.cone(roots);
-        let mut readers = vec![0u32; aig.len()];
-        for &n in &cone {
-            if let Node::And(a, b) = aig.node(n) {
-                readers[a.node()] += 1;
-                readers[b.node()] += 1;
-            }
-        }
-        roots.iter().for_each(|l| readers[l.node()] += 1);
-        let mut image = vec![Edge::FALSE; aig.len()];
-        let known: HashMap<usize, Edge> = known.iter().map(|&(l, e)| (l.node(), e.xor(l.is_negated()))).collect();
-        for n in cone {
-            if let (Some(&edge), Node::And(..)) = (known.get(&n), aig.node(n)) {
-                image[n] = edge;
-                continue;
-            }
-            image[n] = match aig.node(n) {
-                Node::False => Edge::FALSE,
-                Node::Leaf(_) => {
-                    let var = self.variable[n].expect("leaves are latches and inputs");
-                    self.bdd.var(var)?
-                }
-                Node::And(a, b) => {
-                    let (a, b) = (image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated()));
-                    self.bdd.and(a, b)?
-                }
-            };
-            if readers[n] > 1 && self.bdd.size(image[n], CUT) >= CUT {
-                image[n] = self.cut(n, image[n])?;
-            }
-        }
-        Ok(roots.iter().map(|l| image[l.node()].xor(l.is_negated())).collect())
+    /// All that has to become diagrams: constraints, next values, and what is asked.
+    fn roots(&self, build: &Build<'_>) -> Vec<Lit> {
+        let nexts = build.latches.iter().map(|&l| self.system.latches[l].next);
+        self.system.constraints.iter().copied().chain(nexts).chain(self.asked.iter().copied()).collect()
     }
 
-    /// Makes a variable of a gate, placed where the gate stands in the order.
-    fn cut(&mut self, node: usize, function: Edge) -> Result<Edge, Limit> {
-        let rank = self.rank[node].expect("a gate of the cone has a rank");
-        let at = self.ranked.partition_point(|&(r, _)| r < rank);
-        let level = self.ranked.get(at).map_or(self.bdd.variables(), |&(_, var)| self.bdd.level(var));
-        let var = self.bdd.insert(level);
-        self.ranked.insert(at, (rank, var));
-        self.given.push(var);
-        let edge = self.bdd.var(var)?;
-        let definition = self.bdd.equal(edge, function)?;
-        self.cuts.push((var, definition));
-        Ok(edge)
+    /// Adds a kind of scan: the system with some gates known, which says nothing about latches that it keeps; or the only one there is.
+    fn add(
+        &mut self,
+        build: &mut Build<'_>,
+        whole: &Graph,
+        kind: Option<Restricted<'_>>,
+        when: Option<Lit>,
+    ) -> Result<(), Limit> {
+        let here = |l: Lit| kind.map_or(l, |k| k.image[l.node()].xor(l.is_negated()));
+        let graph = kind.map_or(whole, |k| k.graph);
+        let system = self.system;
+        build.cuts.clear();
+        let when = build.functions(whole, when.as_slice(), &[])?.first().copied();
+        let mut roots: Vec<Lit> = system.constraints.iter().map(|&c| here(c)).collect();
+        roots.extend(build.latches.iter().map(|&l| here(system.latches[l].next)));
+        let functions = build.functions(graph, &roots, &[])?;
+        let (constraints, nexts) = functions.split_at(system.constraints.len());
+        let constraints: Vec<Edge> = constraints.iter().copied().chain(when).collect();
+        // What a latch will be need not be worked out again where something reads it.
+        let mut defined = Vec::new();
+        let mut updates = Vec::new();
+        let mut changed = Vec::new();
+        for (i, &next) in nexts.iter().enumerate() {
+            if let Some(when) = when {
+                let was = build.bdd.var(build.now[i])?;
+                let kept = build.bdd.equal(was, next)?;
+                if build.bdd.and(when, !kept)? == Edge::FALSE {
+                    continue;
+                }
+            }
+            let then = build.then[i];
+            let var = build.bdd.var(then)?;
+            updates.push((then, build.bdd.equal(var, next)?));
+            defined.push((here(system.latches[build.latches[i]].next), var));
+            changed.push(i);
+        }
+        let asked: Vec<Lit> = self.asked.iter().map(|&l| here(l)).collect();
+        let mut claims = build.functions(graph, &asked, &defined)?;
+        claims.push(Edge::TRUE);
+        let definitions: Vec<(Var, Edge)> = build.cuts.iter().chain(&updates).copied().collect();
+        for (question, function) in self.questions.iter_mut().zip(claims) {
+            if function != Edge::FALSE {
+                let mut parts = constraints.clone();
+                parts.push(function);
+                question.push(schedule::with_definitions(&build.bdd, parts, &definitions));
+            }
+        }
+        if kind.is_none() || when.is_some() {
+            let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
+            self.changes.push(Change { parts, changed });
+        }
+        Ok(())
     }
 }

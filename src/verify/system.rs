@@ -25,6 +25,20 @@ pub struct System {
     pub fair: Vec<Fairness>,
     /// What is claimed, in order of declaration.
     pub claims: Vec<Claim>,
+    /// What a scan may be, if there are several kinds of which each touches little: each scan is exactly one of these. An engine may look
+    /// at each by itself.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// One of the kinds of scans that there are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alternative {
+    /// Whether the scan is of this kind.
+    pub is: Lit,
+    /// When it can be: a function of latches.
+    pub when: Lit,
+    /// The values of inputs that make it so where it can be. They matter to nothing but which kind it is.
+    pub choice: Vec<(Lit, bool)>,
 }
 
 /// Something that comes again and again in a run that is called fair.

@@ -21,6 +21,15 @@ pub fn listing(directory: &str) -> Vec<String> {
 /// The model with which PLC projects are compared.
 pub const COMPARED: &str = "models/onoff.chart";
 
+/// The text of a model with the plant and the scenarios of its fixture, in which what moves needs a stated time:
+/// what a test needs that gives each part its speed.
+pub fn timed(name: &str) -> String {
+    let read = |path: String| fs::read_to_string(repository(&path)).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let model = read(format!("models/{name}.chart"));
+    let controller = &model[..model.find("\nplant").expect("the model has a plant")];
+    format!("{controller}\n{}", read(format!("tests/fixtures/{name}.timed")))
+}
+
 /// What the compiler has to say about the bytes of a model, or of a PLC project.
 pub fn diagnose(bytes: &[u8]) -> Diagnostics {
     match parse::decode(bytes.to_vec(), limits::SOURCE_BYTES) {

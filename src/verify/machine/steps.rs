@@ -11,7 +11,7 @@
 //! is one state of the system.
 
 use super::super::aig::{Aig, Lit};
-use super::super::system::{Giver, System};
+use super::super::system::{Alternative, Giver, System};
 use super::plant::{Moving, Terminals, width};
 use super::program::map;
 use crate::bits::vector::{self, Vector};
@@ -153,10 +153,13 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         }
     }
 
-    let happens = choose(system, &moves);
+    let (happens, none) = choose(system, &moves);
     let program = !system.aig.any(&happens);
     let aig = &mut system.aig;
     let (reading, writing) = (aig.and(program, !waits), aig.and(program, waits));
+    for (is, when) in [(reading, !waits), (writing, waits)] {
+        system.alternatives.push(Alternative { is, when, choice: none.clone() });
+    }
     // The program runs again and again, whatever happens meanwhile.
     system.fairness("inputs are read", reading);
     let stays = system.aig.and(waits, !writing);
@@ -292,16 +295,21 @@ fn going(
 }
 
 /// For each move, whether it happens: at most one does, and only if it may. Who chooses is the plant; the choice of a move that
-/// cannot be made, or of none, is the program's turn.
-fn choose(system: &mut System, moves: &[Move]) -> Vec<Lit> {
+/// cannot be made, or of none, is the program's turn; the values for none come back as well.
+fn choose(system: &mut System, moves: &[Move]) -> (Vec<Lit>, Vec<(Lit, bool)>) {
     let bits = usize::BITS - moves.len().leading_zeros();
     let choice: Vec<Lit> = (0..bits).map(|i| system.input(format!("choice {i}"), Giver::Plant)).collect();
-    let aig = &mut system.aig;
+    let values = |number: usize| -> Vec<(Lit, bool)> {
+        choice.iter().enumerate().map(|(i, &bit)| (bit, number >> i & 1 == 1)).collect()
+    };
     let mut happens = Vec::new();
     for (number, step) in (1..).zip(moves) {
-        let chosen: Vec<Lit> = choice.iter().enumerate().map(|(i, &bit)| bit.xor(number >> i & 1 == 0)).collect();
-        let chosen = aig.all(&chosen);
-        happens.push(aig.and(chosen, step.may));
+        let choice = values(number);
+        let chosen: Vec<Lit> = choice.iter().map(|&(bit, value)| bit.xor(!value)).collect();
+        let chosen = system.aig.all(&chosen);
+        let is = system.aig.and(chosen, step.may);
+        system.alternatives.push(Alternative { is, when: step.may, choice });
+        happens.push(is);
     }
-    happens
+    (happens, values(0))
 }

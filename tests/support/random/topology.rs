@@ -14,7 +14,7 @@ impl Model {
         for _ in 0..self.rng.below(2 + self.states.len() / 6) {
             match self.rng.below(10) {
                 0..=2 => self.through_choice(),
-                3 => self.to_the_beginning(),
+                3 => self.lead_back(),
                 4..=7 => self.by_history(),
                 8 => self.fork(),
                 _ => self.join(),
@@ -36,7 +36,7 @@ impl Model {
     }
 
     /// A transition to the choice by which a region begins.
-    fn to_the_beginning(&mut self) {
+    fn lead_back(&mut self) {
         let region = self.rng.below(self.regions.len());
         let source = *self.rng.pick(&self.regions[region].states);
         let Some(choice) = self.regions[region].begins.as_ref().and_then(|b| b.head().split(' ').next_back()) else {

@@ -105,7 +105,8 @@ fn states_of_one_observer_exclude_each_other() {
 #[test]
 fn constraints_may_name_an_observer_before_its_state() {
     let observer = "observer O { initial state N state Y from N to Y when A1 }";
-    let asks = |condition: &str| codes(&format!("{observer} {CHART} safety supervisor {{ S1: never Out1 and {condition} }}"));
+    let asks =
+        |condition: &str| codes(&format!("{observer} {CHART} safety supervisor {{ S1: never Out1 and {condition} }}"));
     assert_eq!(asks("in(O.Y)"), []);
     assert_eq!(asks("not in(O.N)"), []);
     assert_eq!(asks("in(C.P)"), [Code::WrongKind]);

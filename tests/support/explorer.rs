@@ -8,6 +8,7 @@ mod plant;
 mod program;
 
 use chartwright::ir::chart::{Atom, InputId, Machine, Phase, TransitionId};
+use chartwright::ir::expr::Expr;
 use chartwright::ir::scenario::{Condition, PropertyKind, Seen};
 use chartwright::pipeline::verify::Question;
 use chartwright::simulate::frame::{Frame, Layout};
@@ -56,7 +57,7 @@ pub fn without_times(machine: &Machine) -> (Machine, Vec<Timer>) {
     for id in machine.transitions.ids() {
         let guard = machine.transitions[id].guard.clone();
         machine.transitions[id].guard = guard.map(&mut |&atom| {
-            let Atom::After(state, time) = atom else { return chartwright::ir::expr::Expr::Atom(atom) };
+            let Atom::After(state, time) = atom else { return Expr::Atom(atom) };
             let known = timers.iter().find(|t| (t.state, t.time) == (state, time)).map(|t| t.input);
             let input = known.unwrap_or_else(|| {
                 let mut input = machine.inputs.values().next().expect("there is an input").clone();
@@ -65,7 +66,7 @@ pub fn without_times(machine: &Machine) -> (Machine, Vec<Timer>) {
                 timers.push(Timer { state, time, input });
                 input
             });
-            chartwright::ir::expr::Expr::Atom(Atom::Input(input))
+            Expr::Atom(Atom::Input(input))
         });
     }
     (machine, timers)
@@ -234,7 +235,7 @@ impl<'m> Explorer<'m> {
         let (mut of_a_scan, mut of_the_plant) = (false, true);
         condition.for_each_atom(&mut |&seen| match seen {
             Seen::Bit(_) => {}
-            Seen::Compare(c) => of_the_plant &= machine_hides(self.machine, c),
+            Seen::Compare(c) => of_the_plant &= self.machine.plant.comparisons[c].is_hidden(),
             Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_) | Atom::Event(_))
             | Seen::PrevBit(_)
             | Seen::Acted(_)
@@ -245,11 +246,11 @@ impl<'m> Explorer<'m> {
     }
 }
 
-fn machine_hides(machine: &Machine, comparison: chartwright::ir::scenario::ComparedId) -> bool {
-    machine.plant.comparisons[comparison].is_hidden()
-}
-
 /// The transitions of that phase that fired.
-fn of_phase<'f>(machine: &'f Machine, fired: &'f [TransitionId], phase: Phase) -> impl Iterator<Item = TransitionId> + 'f {
+fn of_phase<'f>(
+    machine: &'f Machine,
+    fired: &'f [TransitionId],
+    phase: Phase,
+) -> impl Iterator<Item = TransitionId> + 'f {
     fired.iter().copied().filter(move |&t| machine.transitions[t].phase == phase)
 }

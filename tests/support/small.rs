@@ -337,8 +337,11 @@ impl Small {
                         }
                         _ => format!("set Cnt := {}", self.rng.pick(&["Cnt + 1", "Cnt - 1", "0", "2 - Cnt"])),
                     };
-                    let when =
-                        if outcome > 0 || self.rng.chance(40) { format!(" when {}", self.condition(Reads::Step)) } else { String::new() };
+                    let when = if outcome > 0 || self.rng.chance(40) {
+                        format!(" when {}", self.condition(Reads::Step))
+                    } else {
+                        String::new()
+                    };
                     outcomes.push(what + &when);
                 }
                 let _ = writeln!(text, "  step \"number {i}\" when {when} then {}", outcomes.join(", "));
@@ -381,18 +384,23 @@ impl Small {
             if self.rng.chance(70)
                 && let Some(&output) = (first..self.outputs.len()).collect::<Vec<_>>().choose_one(&mut self.rng)
             {
-                let when = if self.rng.chance(40) { format!(" when {}", self.condition(Reads::Guard)) } else { String::new() };
+                let when =
+                    if self.rng.chance(40) { format!(" when {}", self.condition(Reads::Guard)) } else { String::new() };
                 let _ = write!(inside, " drives Out{output}{when}");
             }
             if self.variable && self.rng.chance(25) {
-                let _ = write!(inside, " {} Mem when {}", self.rng.pick(&["sets", "resets"]), self.condition(Reads::Guard));
+                let _ =
+                    write!(inside, " {} Mem when {}", self.rng.pick(&["sets", "resets"]), self.condition(Reads::Guard));
             }
             if self.event && self.rng.chance(20) {
                 inside += " entry raise Ev";
             }
             if s == 1 && self.rng.chance(30) {
                 let guard = self.guard();
-                let _ = write!(inside, "\n    initial state Deep0\n    final state Deep1\n    from Deep0 to Deep1 when {guard}\n    ");
+                let _ = write!(
+                    inside,
+                    "\n    initial state Deep0\n    final state Deep1\n    from Deep0 to Deep1 when {guard}\n    "
+                );
             }
             let braces = if inside.is_empty() { inside } else { format!(" {{{inside} }}") };
             let _ = writeln!(text, "  {}state S{s}{braces}", if s == 0 { "initial " } else { "" });
@@ -423,9 +431,14 @@ impl Small {
         if self.rng.chance(35) {
             return;
         }
-        let mode = *self.rng.pick(&["supervisor", "controller", "blocking", "supervisor reset", "supervisor relief in-order"]);
+        let mode =
+            *self.rng.pick(&["supervisor", "controller", "blocking", "supervisor reset", "supervisor relief in-order"]);
         self.reset = mode == "blocking" || mode == "supervisor reset";
-        let by = if self.reset { format!("{} by In0", if mode == "blocking" { " reset" } else { "" }) } else { String::new() };
+        let by = if self.reset {
+            format!("{} by In0", if mode == "blocking" { " reset" } else { "" })
+        } else {
+            String::new()
+        };
         let mut text = format!("safety {mode}{by} {{\n");
         let ways: Vec<usize> = self.outputs.iter().map(|_| self.rng.below(3)).collect();
         let literal = |rng: &mut Rng, o: usize| match (ways[o], rng.below(3)) {

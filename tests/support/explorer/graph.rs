@@ -21,7 +21,10 @@ pub enum Ask {
     Possible(usize),
     NeverStuck,
     /// With nothing to come, nothing comes.
-    Comes { after: usize, then: Option<usize> },
+    Comes {
+        after: usize,
+        then: Option<usize>,
+    },
 }
 
 /// All runs: states by number, each with the steps that lead on.

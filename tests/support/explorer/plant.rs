@@ -112,8 +112,12 @@ impl Plant<'_> {
     }
 
     fn put_counts(&self, moment: &Moment, frame: &mut Frame) {
-        // A count stands where an integer would; its place is known to conditions only by way of the layout.
-        self.machine.plant.counts.ids().zip(&moment.counts).for_each(|(id, &value)| self.layout.put_count(id, value, frame));
+        self.machine
+            .plant
+            .counts
+            .ids()
+            .zip(&moment.counts)
+            .for_each(|(id, &value)| self.layout.put_count(id, value, frame));
     }
 
     /// What happens when the program has decided.

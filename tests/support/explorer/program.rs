@@ -82,13 +82,8 @@ impl<'m> Memories<'m> {
     /// Nothing is remembered yet: that is number 0.
     pub fn new(machine: &'m Machine, layout: Layout, timers: &[Timer]) -> Memories<'m> {
         let no = vec![false; timers.len()];
-        let memory = Memory {
-            chart: Chart::new(machine),
-            begun: false,
-            frame: layout.frame(),
-            fresh: no.clone(),
-            past: no,
-        };
+        let memory =
+            Memory { chart: Chart::new(machine), begun: false, frame: layout.frame(), fresh: no.clone(), past: no };
         Memories {
             machine,
             layout,
@@ -138,7 +133,11 @@ impl<'m> Memories<'m> {
             active(s, &frame) && (!active(s, &memory.frame) || fired.iter().any(left))
         };
         let fresh: Vec<bool> = self.timers.iter().map(|t| entered(t.state)).collect();
-        let past: Vec<bool> = self.timers.iter().zip(&times.passed).zip(&fresh)
+        let past: Vec<bool> = self
+            .timers
+            .iter()
+            .zip(&times.passed)
+            .zip(&fresh)
             .map(|((t, &passed), fresh)| passed && !fresh && active(t.state, &frame))
             .collect();
         for (t, _) in self.timers.iter().zip(&past) {
@@ -225,10 +224,20 @@ impl Reading<'_> {
         match atom {
             Atom::Input(i) => self.now[layout.input(i)],
             // What has no past has no edge.
-            Atom::PrevInput(i) => if self.before.begun { was[layout.input(i)] } else { self.now[layout.input(i)] },
+            Atom::PrevInput(i) => {
+                if self.before.begun {
+                    was[layout.input(i)]
+                } else {
+                    self.now[layout.input(i)]
+                }
+            }
             Atom::PrevOutput(o) => was[layout.output(o)],
             Atom::Variable(v) => {
-                if self.before.begun { was[layout.variable(v)] } else { machine.variables[v].initial }
+                if self.before.begun {
+                    was[layout.variable(v)]
+                } else {
+                    machine.variables[v].initial
+                }
             }
             Atom::Event(e) => self.now[layout.event(e)],
             Atom::Compare(c) => machine.comparisons[c].holds(&|&i: &IntegerId| layout.integer(i, was)),

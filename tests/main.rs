@@ -40,5 +40,6 @@ mod verify_engines;
 mod verify_eventually;
 mod verify_export;
 mod verify_filter;
+mod verify_machines;
 mod verify_models;
 mod verify_needed;

@@ -106,6 +106,17 @@ fn states_of_one_observer_exclude_each_other() {
 }
 
 #[test]
+fn constraints_may_name_an_observer_before_its_state() {
+    let observer = "observer O { initial state N state Y from N to Y when A1 }";
+    let asks =
+        |condition: &str| codes(&format!("{observer} {CHART} safety supervisor {{ S1: never Out1 and {condition} }}"));
+    assert_eq!(asks("in(O.Y)"), []);
+    assert_eq!(asks("not in(O.N)"), []);
+    assert_eq!(asks("in(C.P)"), [Code::WrongKind]);
+    assert_eq!(asks("in(O.P)"), [Code::UnknownName]);
+}
+
+#[test]
 fn nobody_else_writes_what_an_observer_writes() {
     let observer = "observer O { initial state N state Y from N to Y when A1 then set V1 from Y to N when V1 }";
     let chart = "chart C { initial state P from P to P when B1 then reset V1 }";

@@ -16,7 +16,8 @@
 //! that moment: what rules further down will change still has its value of the scan before.
 //! [`Atom::PrevInput`] is what the program saw in the scan before, [`Atom::PrevOutput`] what stood at the
 //! terminals a scan before. In the first scan nothing travels: the plant stands as [`Plant::initially`]
-//! and [`Plant::places`] say, with all outputs FALSE, and the rules are tried.
+//! and [`Plant::places`] say, with all outputs FALSE, and the rules are tried; what they read has no other past than
+//! itself then, and no edge.
 //!
 //! A scenario that forces an input holds its value, whatever the plant does; its rules rest meanwhile.
 //!

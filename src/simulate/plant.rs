@@ -101,8 +101,7 @@ impl Plant {
             self.live(machine, false);
         }
         self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
-        // What had no scan before it has no edge.
-        let mut past = if self.first { self.values.clone() } else { before.clone() };
+        let mut past = before.clone();
         past[outputs.clone()].copy_from_slice(&earlier[outputs]);
         self.travel(machine, &past);
         self.hold();
@@ -112,9 +111,11 @@ impl Plant {
             }
             let place = self.layout.place(rule.target);
             let held = matches!(rule.target, Given::Input(input) if self.forced[input.index()].is_some());
+            // What had no scan before it has no edge.
+            let before = if self.first { &self.values } else { &past };
             let pending = !held
                 && self.values[place] != rule.value
-                && self.layout.holds(machine, &rule.condition, &self.values, &past);
+                && self.layout.holds(machine, &rule.condition, &self.values, before);
             if !pending {
                 self.counts[i] = 0;
             } else if self.counts[i] >= rule.delay {
@@ -213,7 +214,8 @@ impl Plant {
                 Valve::WhileDriven => alone,
                 Valve::Spring => Some(usize::from(!ordered.is_empty())),
             };
-            let power = self.layout.holds(machine, &travel.power, &self.values, past);
+            let before = if self.first { &self.values } else { past };
+            let power = self.layout.holds(machine, &travel.power, &self.values, before);
             let (out, back) = (u64::from(travel.out), u64::from(travel.back));
             if !self.first {
                 match place.order {

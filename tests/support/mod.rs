@@ -3,6 +3,7 @@
 pub mod binary;
 pub mod charts;
 pub mod damage;
+pub mod explorer;
 pub mod filters;
 pub mod items;
 pub mod model_damage;
@@ -16,4 +17,5 @@ pub mod rng;
 pub mod runs;
 pub mod schema;
 pub mod shrink;
+pub mod small;
 pub mod systems;

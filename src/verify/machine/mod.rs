@@ -116,11 +116,18 @@ impl<'m> Subject<'m> {
         let before = running.remembered(&mut system);
         let memory = first_latch..system.latches.len();
         let given = plant::give(&mut system, machine, started, &before, open);
-        // In the first scan inputs have no other past than themselves.
-        let past_inputs = before.inputs.iter().zip(&given.inputs);
-        let past_inputs: Vec<Lit> = past_inputs.map(|(&was, &is)| system.aig.select(started, was, is)).collect();
-        let scan = running.scan(&mut system, started, &before, &given.inputs);
         let plant::Terminals { inputs, bits, past_bits, counts, turn } = given;
+        // In the first scan inputs and hidden bits have no other past than themselves.
+        let mut past = |was: &[Lit], is: &[Lit]| -> Vec<Lit> {
+            was.iter().zip(is).map(|(&was, &is)| system.aig.select(started, was, is)).collect()
+        };
+        let (past_inputs, past_bits) = (past(&before.inputs, &inputs), past(&past_bits, &bits));
+        let owed = system.fair.len();
+        let scan = running.scan(&mut system, started, &before, &inputs);
+        for fairness in &mut system.fair[owed..] {
+            // Time passes for a program when it looks.
+            fairness.holds = system.aig.and(fairness.holds, turn.reading);
+        }
         let scan = turn.scan(&mut system, memory, &before, scan);
         let begun = system.aig.or(started, turn.reading);
         system.latches[0].next = begun;

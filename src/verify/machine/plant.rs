@@ -23,7 +23,7 @@ pub struct Terminals {
     pub inputs: Vec<Lit>,
     /// For each hidden bit, its value.
     pub bits: Vec<Lit>,
-    /// For each hidden bit, its value in the scan before.
+    /// For each hidden bit, its value in the scan before, if there was one.
     pub past_bits: Vec<Lit>,
     /// For each hidden integer, its value.
     pub counts: Vec<Vector>,
@@ -48,8 +48,7 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
         } else {
             let free = system.input(&input.name, Giver::Operator);
             inputs.push(free);
-            // What has no past has no edge.
-            past_inputs.push(system.aig.select(started, before.inputs[id.index()], free));
+            past_inputs.push(before.inputs[id.index()]);
         }
     }
     let mut bits = Vec::new();
@@ -67,6 +66,7 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
     let (count_latches, counts): (Vec<usize>, Vec<Vector>) = count_latches.into_iter().unzip();
     let past_bits = bits.clone();
     if open {
+        let past_bits = remembered(system, machine, &bits);
         return Terminals { inputs, bits, past_bits, counts, turn: Turn::always() };
     }
     let first_earlier = system.latches.len();
@@ -104,6 +104,17 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
     }
     let Moving { inputs, bits, past_bits, counts, .. } = terminals;
     Terminals { inputs, bits, past_bits, counts, turn: Turn::always() }
+}
+
+/// For each hidden bit, a latch that keeps its value.
+fn remembered(system: &mut System, machine: &Machine, bits: &[Lit]) -> Vec<Lit> {
+    let mut past = Vec::new();
+    for (bit, &now) in machine.plant.bits.values().zip(bits) {
+        let latch = system.latches.len();
+        past.push(system.latch(format!("prev({})", bit.name), Some(false)));
+        system.latches[latch].next = now;
+    }
+    past
 }
 
 /// A hidden integer: how far it is above its lowest value.
@@ -149,11 +160,11 @@ pub struct Moving<'m> {
     pub first_earlier: usize,
     /// For each input, its value as far as the plant has come.
     pub inputs: Vec<Lit>,
-    /// For each input, what the program read last.
+    /// For each input, what the program read last, if it has.
     pub past_inputs: Vec<Lit>,
     /// For each hidden bit, its value as far as the plant has come.
     pub bits: Vec<Lit>,
-    /// For each hidden bit, its value in the scan before.
+    /// For each hidden bit, its value in the scan before, if there was one.
     pub past_bits: Vec<Lit>,
     /// For each hidden integer, its value as far as the plant has come.
     pub counts: Vec<Vector>,
@@ -175,15 +186,17 @@ impl Moving<'_> {
         *self.place(given)
     }
 
-    /// Whether a condition of the plant holds as far as it has come.
+    /// Whether a condition of the plant holds as far as it has come. What has no past has no edge.
     pub fn holds(&self, aig: &mut Aig, condition: &Condition) -> Lit {
         aig.expression(condition, &mut |aig, &seen| match seen {
             Seen::Machine(Atom::Input(i)) => self.inputs[i.index()],
-            Seen::Machine(Atom::PrevInput(i)) => self.past_inputs[i.index()],
+            Seen::Machine(Atom::PrevInput(i)) => {
+                aig.select(self.started, self.past_inputs[i.index()], self.inputs[i.index()])
+            }
             Seen::Machine(Atom::Output(o)) => self.outputs[o.index()],
             Seen::Machine(Atom::PrevOutput(o)) => self.earlier[o.index()],
             Seen::Bit(b) => self.bits[b.index()],
-            Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::PrevBit(b) => aig.select(self.started, self.past_bits[b.index()], self.bits[b.index()]),
             Seen::Compare(c) => compare_of(aig, &self.machine.plant.comparisons[c], &|&counted| match counted {
                 Counted::Hidden(c) => self.counts[c.index()].clone(),
                 Counted::Program(_) => unreachable!("a plant knows nothing of the program"),
@@ -208,8 +221,9 @@ impl Moving<'_> {
             let time = system.input(format!("rule {} fires", i + 1), Giver::Plant);
             let ripe = system.aig.and(held, time);
             let fires = system.aig.and(pending, ripe);
-            // A rule whose condition holds for ever acts.
+            // A rule whose condition holds for ever acts, and does so when it is its turn.
             let acts = system.aig.or(!pending, fires);
+            let acts = system.aig.and(acts, turn);
             system.fairness(format!("rule {}", i + 1), acts);
             let waits = system.aig.and(pending, !fires);
             system.latches[latch].next = system.aig.select(turn, waits, held);

@@ -104,8 +104,10 @@ impl Subject<'_> {
                 PropertyKind::Always => Property::Never(fails),
                 PropertyKind::AlwaysPossible => Property::AlwaysPossible(holds),
                 PropertyKind::Eventually => {
-                    let aig = &mut self.system.aig;
-                    let after = p.after.as_ref().map_or(Lit::TRUE, |after| self.view.holds(aig, machine, after));
+                    let after = p.after.as_ref().map_or(Lit::TRUE, |after| {
+                        let holds = self.view.holds(&mut self.system.aig, machine, after);
+                        self.system.aig.and(holds, self.view.looked(machine, after))
+                    });
                     let arises = Property::Eventually { after, then: Lit::FALSE };
                     self.ask(Question::Arises(i), format!("{} is void", p.name), arises);
                     Property::Eventually { after, then: holds }

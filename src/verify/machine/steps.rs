@@ -114,8 +114,7 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     let first_past = system.latches.len();
     let names = machine.plant.bits.values().map(|b| format!("prev({})", b.name));
     let past: Vec<Lit> = names.map(|name| system.latch(name, Some(false))).collect();
-    plant.past_bits =
-        past.iter().zip(&plant.bits).map(|(&was, &is)| system.aig.select(plant.started, was, is)).collect();
+    plant.past_bits = past.clone();
 
     let waits_latch = system.latches.len();
     let waits = system.latch("outputs wait to be written", Some(false));

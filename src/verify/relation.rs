@@ -54,14 +54,14 @@ impl<'a> Relation<'a> {
     pub fn new(system: &System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> Result<Self, Limit> {
         let (mut build, graph) = Build::new(system, asked, limits, stop);
         let mut parts = Parts { system, asked, questions: vec![Vec::new(); asked.len() + 1], changes: Vec::new() };
-        let alternatives = parts.alternatives(&graph, &build);
+        let alternatives = parts.alternatives();
         if alternatives.is_empty() {
-            parts.add(&mut build, &graph, None, None)?;
+            parts.add(&mut build, &graph, None)?;
         } else {
             for known in &alternatives {
                 let (restricted, image) = graph.restrict(&parts.roots(&build), &known.gates);
                 let kind = Restricted { graph: &restricted, image: &image };
-                parts.add(&mut build, &graph, Some(kind), known.when)?;
+                parts.add(&mut build, &graph, Some((kind, known.when)))?;
             }
         }
         let Parts { questions, changes, .. } = parts;
@@ -198,8 +198,8 @@ impl<'a> Relation<'a> {
 /// What is known of the gates in a kind of scan.
 struct Known {
     gates: Vec<(Lit, bool)>,
-    /// When it can be; nothing if it changes nothing that matters.
-    when: Option<Lit>,
+    /// When it can be.
+    when: Lit,
 }
 
 /// The graph of a kind of scan, and what stands there for each node of the system.
@@ -225,27 +225,16 @@ struct Parts<'s> {
 }
 
 impl Parts<'_> {
-    /// What is known in each kind of scan that matters; nothing if there is one kind only.
-    fn alternatives(&self, graph: &Graph, build: &Build<'_>) -> Vec<Known> {
-        let mut matters = vec![false; graph.aig.len()];
-        graph.aig.cone(&self.roots(build)).into_iter().for_each(|n| matters[n] = true);
-        let all = &self.system.alternatives;
-        let (those, others): (Vec<_>, Vec<_>) = all.iter().partition(|a| a.is.node() != 0 && matters[a.is.node()]);
-        let no = |except: Option<Lit>| {
-            those.iter().filter(move |a| Some(a.is) != except).map(|a| (a.is, false)).collect::<Vec<_>>()
-        };
-        let mut known: Vec<Known> = those
-            .iter()
-            .map(|a| {
-                let gates = a.choice.iter().copied().chain(no(Some(a.is))).chain([(a.is, true)]).collect();
-                Known { gates, when: Some(a.when) }
+    /// What is known in each kind of scan; nothing if there is one kind only.
+    fn alternatives(&self) -> Vec<Known> {
+        let all: Vec<_> = self.system.alternatives.iter().filter(|a| a.is != Lit::FALSE).collect();
+        let others = |is: Lit| all.iter().filter(move |a| a.is != is).map(|a| (a.is, false));
+        all.iter()
+            .map(|a| Known {
+                gates: a.choice.iter().copied().chain(others(a.is)).chain([(a.is, true)]).collect(),
+                when: a.when,
             })
-            .collect();
-        // In all others nothing happens that matters.
-        if !known.is_empty() && !others.is_empty() {
-            known.push(Known { gates: no(None), when: None });
-        }
-        known
+            .collect()
     }
 
     /// All that has to become diagrams: constraints, next values, and what is asked.
@@ -255,18 +244,13 @@ impl Parts<'_> {
     }
 
     /// Adds a kind of scan: the system with some gates known, which says nothing about latches that it keeps; or the only one there is.
-    fn add(
-        &mut self,
-        build: &mut Build<'_>,
-        whole: &Graph,
-        kind: Option<Restricted<'_>>,
-        when: Option<Lit>,
-    ) -> Result<(), Limit> {
-        let here = |l: Lit| kind.map_or(l, |k| k.image[l.node()].xor(l.is_negated()));
-        let graph = kind.map_or(whole, |k| k.graph);
+    fn add(&mut self, build: &mut Build<'_>, whole: &Graph, kind: Option<(Restricted<'_>, Lit)>) -> Result<(), Limit> {
+        let here = |l: Lit| kind.map_or(l, |(k, _)| k.image[l.node()].xor(l.is_negated()));
+        let graph = kind.map_or(whole, |(k, _)| k.graph);
         let system = self.system;
         build.cuts.clear();
-        let when = build.functions(whole, when.as_slice(), &[])?.first().copied();
+        let when: Vec<Lit> = kind.iter().map(|&(_, when)| when).collect();
+        let when = build.functions(whole, &when, &[])?.first().copied();
         let mut roots: Vec<Lit> = system.constraints.iter().map(|&c| here(c)).collect();
         roots.extend(build.latches.iter().map(|&l| here(system.latches[l].next)));
         let functions = build.functions(graph, &roots, &[])?;
@@ -301,10 +285,8 @@ impl Parts<'_> {
                 question.push(schedule::with_definitions(&build.bdd, parts, &definitions));
             }
         }
-        if kind.is_none() || when.is_some() {
-            let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
-            self.changes.push(Change { parts, changed });
-        }
+        let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
+        self.changes.push(Change { parts, changed });
         Ok(())
     }
 }

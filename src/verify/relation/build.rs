@@ -55,7 +55,9 @@ impl Graph {
 impl<'a> Build<'a> {
     /// Variables for all that matters to constraints and to what is `asked`, in a good order.
     pub fn new(system: &System, asked: &[Lit], limits: &Limits, stop: Stop<'a>) -> (Self, Graph) {
-        let roots: Vec<Lit> = system.constraints.iter().chain(asked).copied().collect();
+        // Which kind of scan it is matters, even if nothing asks for it.
+        let kinds = system.alternatives.iter().flat_map(|a| [a.is, a.when]);
+        let roots: Vec<Lit> = system.constraints.iter().chain(asked).copied().chain(kinds).collect();
         let (latches, inputs) = system.cone(&roots);
         let nexts = latches.iter().map(|&l| system.latches[l].next);
         let leaves = latches.iter().map(|&l| system.latches[l].leaf);

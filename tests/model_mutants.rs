@@ -208,7 +208,7 @@ fn same(right: &Machine, wrong: &Machine, program: Program, limits: Option<&Limi
     let Some(limits) = limits else { return false };
     both.claim("the outputs differ", Property::Never(differ));
     let limits = Limits { steps: 1_000_000, scans: 12, conflicts: 5_000, ..*limits };
-    let report = engine::check(&both, &limits, Choice::Automatic, &|| false, &mut |_| {});
+    let report = engine::check(&both, None, &limits, Choice::Automatic, &|| false, &mut |_| {});
     report.findings[0].verdict == Verdict::Holds
 }
 

@@ -151,7 +151,7 @@ pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Resul
     let asked: Vec<(usize, Property)> = declared(&subject).collect();
     let answer = |system: &System, claims: &[Property]| {
         let system = claiming(system, claims);
-        engine::check(&system, &options.limits, options.choice, stop, &mut |_| {}).findings
+        engine::check(&system, None, &options.limits, options.choice, stop, &mut |_| {}).findings
     };
     // All that never must be is proved as one mostly, and at less cost than each for itself.
     let is_bad = |&(i, claim): &(usize, Property)| match claim {
@@ -291,7 +291,7 @@ impl Search<'_, '_> {
             Effort::Glance => self.glance(&system)?,
             Effort::All => {
                 let limits = &self.options.limits;
-                let report = engine::check(&system, limits, self.options.choice, self.stop, &mut |_| {});
+                let report = engine::check(&system, None, limits, self.options.choice, self.stop, &mut |_| {});
                 report.findings.into_iter().map(|f| f.verdict).collect()
             }
         };

@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::run::{Program, Run};
 use crate::base::Span;
 use crate::ir::chart::Machine;
-use crate::ir::scenario::{Condition, Doing, Given, Scenario, Step};
+use crate::ir::scenario::{Condition, Doing, Given, Scenario, Step, Told};
 
 /// How a scenario went.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub struct Verdict {
     pub scans: u64,
     /// What went wrong first, if something did.
     pub failure: Option<Failure>,
+    /// The values at the end, with what was hidden then.
+    pub last: Frame,
 }
 
 /// Why a scenario failed, and when.
@@ -24,8 +26,10 @@ pub struct Failure {
     pub span: Span,
     /// Its text.
     pub text: String,
-    /// The scan, counted from 1.
+    /// The scan, counted from 1; nothing has run where it is 0.
     pub scan: u64,
+    /// Whether it was seen after that scan, in what happens in the plant before the next one.
+    pub between: bool,
     /// What the condition reads, with the values after that scan.
     pub values: Vec<(String, bool)>,
 }
@@ -41,19 +45,24 @@ pub enum Expectation {
     Always,
     /// The opposite of the condition, in each scan.
     Never,
+    /// That the plant can take the step then.
+    Happens,
+    /// That outputs still wait to be written.
+    BeforeWriting,
 }
 
 /// Plays the scenario of that index and stops at the first failure. `each` sees every scan's frame.
 pub fn play(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(u64, &Frame)) -> Verdict {
-    let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), each };
+    let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), told: false, each };
     let mut failure = None;
     for scenario in chain(machine, scenario) {
+        player.told = scenario.tells();
         failure = player.steps(&scenario.steps).err();
         if failure.is_some() {
             break;
         }
     }
-    Verdict { scans: player.run.scans(), failure: failure.map(|f| *f) }
+    Verdict { scans: player.run.scans(), failure: failure.map(|f| *f), last: player.run.moment().clone() }
 }
 
 /// The scenario with those that are played before it, first first.
@@ -68,7 +77,16 @@ struct Player<'m, 'e> {
     run: Run<'m>,
     /// What `always` and `never` have begun to watch, with the line.
     watches: Vec<(&'m Condition, bool, &'m Step)>,
+    /// Whether nothing happens in the plant by itself.
+    told: bool,
     each: &'e mut dyn FnMut(u64, &Frame),
+}
+
+/// Whether a condition reads what there is in scans only: how values have changed, events, and what the filter has done.
+fn is_of_scans(condition: &Condition) -> bool {
+    let mut of_scans = false;
+    condition.for_each_atom(&mut |seen| of_scans |= seen.is_of_scans());
+    of_scans
 }
 
 type Played = Result<(), Box<Failure>>;
@@ -104,6 +122,8 @@ impl<'m> Player<'m, '_> {
                 self.run.plant().place(machine, *actuator, *position);
                 Ok(())
             }
+            Doing::Happens(None) => Ok(()),
+            Doing::Happens(Some(told)) => self.happen(*told, step),
             Doing::Wait(scans) => (0..*scans).try_for_each(|_| self.scan()),
             Doing::Until(condition, within) => {
                 for _ in 0..*within {
@@ -144,9 +164,47 @@ impl<'m> Player<'m, '_> {
     }
 
     fn scan(&mut self) -> Played {
-        self.run.scan();
+        let possible = self.write()?;
+        for happening in possible.into_iter().filter(|_| !self.told) {
+            if self.run.happen(happening) {
+                self.watch()?;
+            }
+        }
+        self.run.read();
         (self.each)(self.run.scans(), self.run.frame());
+        self.watch()
+    }
+
+    /// Lets outputs be written. Returns what may happen then.
+    fn write(&mut self) -> Result<Vec<usize>, Box<Failure>> {
+        let waited = self.run.plant().waits();
+        let possible = self.run.write();
+        if waited {
+            self.watch()?;
+        }
+        Ok(possible)
+    }
+
+    fn happen(&mut self, told: Told, step: &Step) -> Played {
+        let condition = &self.run.machine().plant.happenings[told.happening].condition;
+        if !told.before_writing {
+            self.write()?;
+        } else if !self.run.plant().waits() {
+            return Err(self.failure(Expectation::BeforeWriting, step, condition));
+        }
+        if !self.run.happen(told.happening) {
+            return Err(self.failure(Expectation::Happens, step, condition));
+        }
+        self.watch()
+    }
+
+    /// Looks at what is always or never so. What reads how it came to that is looked at after scans only: between them there
+    /// is no scan before, and no event.
+    fn watch(&self) -> Played {
         for &(condition, value, step) in &self.watches {
+            if self.run.is_between() && is_of_scans(condition) {
+                continue;
+            }
             if self.run.holds(condition) != value {
                 let kind = if value { Expectation::Always } else { Expectation::Never };
                 return Err(self.failure(kind, step, condition));
@@ -161,6 +219,7 @@ impl<'m> Player<'m, '_> {
             span: step.span,
             text: step.text.clone(),
             scan: self.run.scans(),
+            between: self.run.is_between(),
             values: self.run.values(condition),
         })
     }

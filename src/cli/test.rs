@@ -136,7 +136,7 @@ fn play(machine: &Machine, file: &FileReport, filter: Option<&str>, tests: &mut 
         }
         for (name, program) in &programs {
             let mut recording = Recording::last(REMEMBERED);
-            let verdict = scenario::play(machine, program.clone(), i, &mut |scan, frame| recording.push(scan, frame));
+            let verdict = scenario::watch(machine, program.clone(), i, &mut |moment| recording.take(moment));
             tests.push(Test {
                 file: file.file.clone(),
                 scenario: scenario.name.clone(),

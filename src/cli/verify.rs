@@ -1,9 +1,10 @@
 //! A model to what is true of all its runs.
 
 use super::args::{Format, Verify as Args, VerifyEngine, VerifyProgram};
+use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, counterexample, finish, read, say, usage};
+use super::{Outcome, finish, read, say, usage};
 use crate::ir::chart::Machine;
 use crate::pipeline::verify::{self, Answer, Options, Program, Question, Status, Verified, words};
 use crate::simulate::{tree, vcd};
@@ -37,6 +38,9 @@ struct JsonAnswer {
     reason: Option<String>,
     /// How many scans the run takes that shows it.
     scans: Option<usize>,
+    /// What happens between scans on the way, in order; left out where there is nothing of the kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    between: Vec<Between>,
     shortest: Option<bool>,
     /// The scan from which on it can repeat itself for ever, if that is what it shows.
     repeats: Option<usize>,
@@ -152,6 +156,7 @@ fn result(verified: &Verified) -> Result {
         demand: a.question.is_demand(),
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
         scans: a.run.as_ref().map(|r| r.frames.len()),
+        between: a.run.as_ref().map(counterexample::between).unwrap_or_default(),
         shortest: a.run.as_ref().map(|r| r.shortest),
         repeats: a.run.as_ref().and_then(|r| r.repeats),
         replayed: a.run.as_ref().and_then(|r| r.replayed),
@@ -189,10 +194,10 @@ fn human(verified: &Verified, time: Duration) -> String {
             (_, Status::Unknown(limit)) => {
                 let _ = write!(text, " ({limit})");
             }
-            (Some(run), _) if run.frames.is_empty() => text += " (from the beginning)",
+            (Some(run), _) if run.is_empty() => text += " (from the beginning)",
             (Some(run), _) => {
                 let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
-                let _ = write!(text, " (in scan {}{least})", run.frames.len());
+                let _ = write!(text, " ({}{least})", run.end());
             }
             (None, _) => {}
         }
@@ -213,7 +218,7 @@ fn human(verified: &Verified, time: Duration) -> String {
     }
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
         let run = a.run.as_ref().expect("a counterexample has a run");
-        if !run.frames.is_empty() {
+        if !run.is_empty() {
             let _ = write!(text, "\n{}", counterexample::human(machine, a.question, run));
         }
     }

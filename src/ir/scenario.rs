@@ -388,6 +388,15 @@ impl Seen {
 }
 
 impl Machine {
+    /// Whether it is of the plant alone, and changes between scans.
+    pub fn is_hidden(&self, seen: Seen) -> bool {
+        match seen {
+            Seen::Bit(_) => true,
+            Seen::Compare(c) => self.plant.comparisons[c].is_hidden(),
+            Seen::Machine(_) | Seen::PrevBit(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => false,
+        }
+    }
+
     /// What an input or hidden bit is called.
     pub fn given(&self, given: Given) -> &str {
         match given {

@@ -1,6 +1,7 @@
 //! The one place that knows the order of the stages.
 
 pub mod replay;
+mod run;
 mod rungs;
 pub mod verify;
 

@@ -68,7 +68,11 @@ fn step(r: &mut Resolver, written: &ast::Step, gives: &[bool], ran: &mut bool) -
             let (actuator, position) = r.place(actuator, position)?;
             Doing::Place(actuator, position)
         }
-        ast::Doing::Happens(what, before) => Doing::Happens(told(r, what.as_ref(), *before, written.span)?),
+        ast::Doing::Happens(what, before) => {
+            // What is expected behind it is expected at that moment.
+            *ran |= what.is_some();
+            Doing::Happens(told(r, what.as_ref(), *before, written.span)?)
+        }
         ast::Doing::Wait(time) => {
             *ran = true;
             Doing::Wait(r.scans(time, 1))
@@ -124,7 +128,8 @@ fn told(r: &mut Resolver, what: Option<&ast::Text>, before_writing: bool, line: 
         [happening] => return Some(Some(Told { happening, before_writing })),
         [] => {
             let known = happenings.iter().map(|h| format!("`{}`", h.text)).collect::<Vec<_>>().join(", ");
-            let help = if known.is_empty() { "the plant has no steps".to_owned() } else { format!("there are {known}") };
+            let help =
+                if known.is_empty() { "the plant has no steps".to_owned() } else { format!("there are {known}") };
             Diagnostic::new(Code::BadHappening, format!("no step of the plant is called `{}`", what.value))
                 .label(what.span, "no step has this text")
                 .help(help)

@@ -96,7 +96,7 @@ impl Plant {
         self.decided = Some(outputs.to_vec());
     }
 
-    /// Whether outputs are still to be written.
+    /// Whether outputs are still to be written that the program has decided on.
     pub fn waits(&self) -> bool {
         self.decided.is_some()
     }

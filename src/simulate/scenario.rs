@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::run::{Program, Run};
 use crate::base::Span;
 use crate::ir::chart::Machine;
-use crate::ir::scenario::{Condition, Doing, Given, Scenario, Step, Told};
+use crate::ir::scenario::{Condition, Doing, Given, Happening, Scenario, Seen, Step, Told};
 
 /// How a scenario went.
 #[derive(Clone, Debug)]
@@ -51,8 +51,28 @@ pub enum Expectation {
     BeforeWriting,
 }
 
+/// Something that a scenario comes to see.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// How many scans have run.
+    pub scan: u64,
+    /// What has happened since the last one, if this is not its end.
+    pub happens: Option<&'a str>,
+    /// The values.
+    pub frame: &'a Frame,
+}
+
 /// Plays the scenario of that index and stops at the first failure. `each` sees every scan's frame.
 pub fn play(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(u64, &Frame)) -> Verdict {
+    watch(machine, program, scenario, &mut |moment| {
+        if moment.happens.is_none() {
+            each(moment.scan, moment.frame);
+        }
+    })
+}
+
+/// The same for who wants to see what the scenario lets happen between scans, too.
+pub fn watch(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(Moment<'_>)) -> Verdict {
     let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), told: false, each };
     let mut failure = None;
     for scenario in chain(machine, scenario) {
@@ -79,14 +99,7 @@ struct Player<'m, 'e> {
     watches: Vec<(&'m Condition, bool, &'m Step)>,
     /// Whether nothing happens in the plant by itself.
     told: bool,
-    each: &'e mut dyn FnMut(u64, &Frame),
-}
-
-/// Whether a condition reads what there is in scans only: how values have changed, events, and what the filter has done.
-fn is_of_scans(condition: &Condition) -> bool {
-    let mut of_scans = false;
-    condition.for_each_atom(&mut |seen| of_scans |= seen.is_of_scans());
-    of_scans
+    each: &'e mut dyn FnMut(Moment<'_>),
 }
 
 type Played = Result<(), Box<Failure>>;
@@ -171,22 +184,23 @@ impl<'m> Player<'m, '_> {
             }
         }
         self.run.read();
-        (self.each)(self.run.scans(), self.run.frame());
+        (self.each)(Moment { scan: self.run.scans(), happens: None, frame: self.run.frame() });
         self.watch()
     }
 
     /// Lets outputs be written. Returns what may happen then.
     fn write(&mut self) -> Result<Vec<usize>, Box<Failure>> {
-        let waited = self.run.plant().waits();
+        let before = self.run.moment().clone();
         let possible = self.run.write();
-        if waited {
+        if *self.run.moment() != before {
+            self.tell("outputs are written");
             self.watch()?;
         }
         Ok(possible)
     }
 
     fn happen(&mut self, told: Told, step: &Step) -> Played {
-        let condition = &self.run.machine().plant.happenings[told.happening].condition;
+        let Happening { condition, text, .. } = &self.run.machine().plant.happenings[told.happening];
         if !told.before_writing {
             self.write()?;
         } else if !self.run.plant().waits() {
@@ -195,14 +209,21 @@ impl<'m> Player<'m, '_> {
         if !self.run.happen(told.happening) {
             return Err(self.failure(Expectation::Happens, step, condition));
         }
+        self.tell(&if told.before_writing { format!("{text} before writing") } else { text.clone() });
         self.watch()
     }
 
-    /// Looks at what is always or never so. What reads how it came to that is looked at after scans only: between them there
-    /// is no scan before, and no event.
+    /// Shows what a scenario that tells it has let happen.
+    fn tell(&mut self, happens: &str) {
+        if self.told {
+            (self.each)(Moment { scan: self.run.scans(), happens: Some(happens), frame: self.run.moment() });
+        }
+    }
+
+    /// Looks at what is always or never so.
     fn watch(&self) -> Played {
         for &(condition, value, step) in &self.watches {
-            if self.run.is_between() && is_of_scans(condition) {
+            if !self.looks_at(condition) {
                 continue;
             }
             if self.run.holds(condition) != value {
@@ -211,6 +232,19 @@ impl<'m> Player<'m, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether this is a moment to look at a condition. Between scans those are looked at that read something hidden, unless they read
+    /// how it came to that, too: between them there is no scan before, and no event. Before the first scan all has to be hidden.
+    fn looks_at(&self, condition: &Condition) -> bool {
+        let (mut some, mut all, mut of_scans) = (false, true, false);
+        condition.for_each_atom(&mut |&seen| {
+            let hidden = self.run.machine().is_hidden(seen);
+            some |= hidden || matches!(seen, Seen::Compare(_));
+            all &= hidden;
+            of_scans |= seen.is_of_scans();
+        });
+        !self.run.is_between() || some && !of_scans && (all || self.run.scans() > 0)
     }
 
     fn failure(&self, kind: Expectation, step: &Step, condition: &Condition) -> Box<Failure> {

@@ -173,11 +173,7 @@ impl View {
         let (mut hidden, mut scans) = (true, false);
         condition.for_each_atom(&mut |&seen| {
             scans |= seen.is_of_scans();
-            hidden &= match seen {
-                Seen::Bit(_) => true,
-                Seen::Compare(c) => machine.plant.comparisons[c].is_hidden(),
-                _ => false,
-            };
+            hidden &= machine.is_hidden(seen);
         });
         match (scans, hidden) {
             (true, _) => self.turn.reading,

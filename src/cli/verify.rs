@@ -89,7 +89,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     finish("verify", args.output.format, &report, &result(&verified));
     if args.output.format == Format::Human {
-        say(&human(&verified, begun.elapsed()));
+        // A step of the plant, and a writing, takes the system on as a scan does.
+        let transition = if verified.machine.plant.by_steps && !args.open { "transitions" } else { "scans" };
+        say(&human(&verified, transition, begun.elapsed()));
     }
     let fine = verified.answers.iter().all(|a| match a.status {
         Status::Holds => true,
@@ -177,7 +179,7 @@ fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
     run.frames.last().map(|frame| tree::show(machine, frame))
 }
 
-fn human(verified: &Verified, time: Duration) -> String {
+fn human(verified: &Verified, transitions: &str, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
     if let Some(refusal) = verified.refusal {
@@ -223,7 +225,7 @@ fn human(verified: &Verified, time: Duration) -> String {
         }
     }
     let _ = match (&verified.states, verified.scans) {
-        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} scans"),
+        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} {transitions}"),
         _ => writeln!(text, "\nnot all states were explored"),
     };
     let _ = writeln!(

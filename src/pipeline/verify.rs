@@ -41,7 +41,7 @@ pub struct Verified {
     pub inputs: usize,
     /// How many states are reachable, if all of them were found.
     pub states: Option<String>,
-    /// After how many scans there was no new one.
+    /// After how many transitions there was no new one: scans, and with a plant by steps what happens between them.
     pub scans: Option<usize>,
 }
 

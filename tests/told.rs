@@ -62,7 +62,7 @@ fn nothing_happens_but_what_is_told() {
     let twice = "set Go wait 2 scans happens \"out\" happens \"out\"";
     assert_eq!(fails(&format!("{twice} expect Stroke = 2 and B wait 9 scans expect Stroke = 2 and not B")), None);
     // What was played before goes by itself, and the told one goes on from there.
-    let later = outcome(&cylinder("reset Go wait 2 scans happens \"in\" wait 5 scans expect Stroke = 3"), "later");
+    let later = outcome(&cylinder("reset Go wait 1 scan happens \"in\" wait 5 scans expect Stroke = 3"), "later");
     assert_eq!(later, None);
 }
 
@@ -80,7 +80,7 @@ fn what_cannot_happen_fails() {
 fn before_writing_the_old_outputs_stand() {
     let before = "set Go wait 2 scans happens \"out\" before writing";
     assert_eq!(fails(before), Some((Expectation::Happens, 2, true)), "the order is not out yet");
-    let back = "set Go wait 2 scans happens \"out\" reset Go wait 2 scans expect not O";
+    let back = "set Go wait 2 scans happens \"out\" reset Go wait 1 scan expect not O";
     assert_eq!(fails(&format!("{back} happens \"out\" before writing happens \"in\" expect Stroke = 1")), None);
     assert_eq!(fails(&format!("{back} happens \"out\"")), Some((Expectation::Happens, 3, true)));
     let late = format!("{back} happens \"in\" happens \"out\" before writing");

@@ -6,7 +6,6 @@ use chartwright::base::{Code, Severity};
 use chartwright::pipeline;
 use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
 use chartwright::simulate::scenario::{Expectation, Failure, play};
-use chartwright::verify::{Choice, Limits};
 
 /// A cylinder without constraints, and a scenario with these lines.
 fn cylinder(lines: &str) -> String {
@@ -135,7 +134,7 @@ fn without(text: &str, names: &[&str]) -> String {
 }
 
 fn ask(text: &str, program: Program) -> Verified {
-    let options = Options { program, open: false, choice: Choice::Automatic, limits: Limits::default() };
+    let options = Options { program, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }

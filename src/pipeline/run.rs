@@ -88,7 +88,7 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
     // What people look at is worth the time to make it calm.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
-    let calm = question.is_demand().then(|| subject.system.calm(trace, property));
+    let calm = options.demands(question).then(|| subject.system.calm(trace, property));
     let trace = calm.as_ref().unwrap_or(trace);
     let begin = subject.system.repeats(trace, property);
     let end = trace.inputs.len();
@@ -112,7 +112,7 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
         let given = frames[repeats.unwrap_or(scans)..].windows(2).all(|w| w[0][inputs.clone()] == w[1][inputs.clone()]);
         given && moments[begin.unwrap_or(end)..].iter().all(|m| !matches!(m.kind, Kind::Happens(_)))
     };
-    let scenario = scenario(machine, question, &doings, still.then(|| scans.max(100)));
+    let scenario = scenario(machine, question, options, &doings, still.then(|| scans.max(100)));
     let replayed = (options.program == Program::Chart).then(|| player.repeats(&doings, &moments));
     frames.truncate(scans);
     let outputs = if replayed == Some(true) { outputs(machine, question) } else { Vec::new() };
@@ -391,10 +391,17 @@ fn reads(happening: &Happening) -> BTreeSet<InputId> {
 }
 
 /// The scenario in the words of the language. With `wait`, an answer that never comes is waited for so many scans.
-fn scenario(machine: &Machine, question: Question, doings: &[Doing], wait: Option<usize>) -> String {
-    let name = format!("found by verification: {}", words(machine, question));
+fn scenario(machine: &Machine, question: Question, options: &Options, doings: &[Doing], wait: Option<usize>) -> String {
+    let without = match options.without.as_slice() {
+        [] => String::new(),
+        names => format!(" without {}", names.join(", ")),
+    };
+    let name = format!("found by verification{without}: {}", words(machine, question));
     let condition = |i: usize| text(machine, &machine.properties[i].condition);
     let (mut watch, mut end) = (String::new(), String::new());
+    if let Question::Acts(c) = question {
+        watch = format!("  never acts({})\n", machine.safety.constraints[c].name);
+    }
     if let Question::Declared(i) = question {
         match machine.properties[i].kind {
             PropertyKind::Never => watch = format!("  never {}\n", condition(i)),

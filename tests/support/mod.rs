@@ -5,6 +5,7 @@ pub mod charts;
 pub mod damage;
 pub mod filters;
 pub mod items;
+pub mod model_damage;
 pub mod models;
 pub mod numbers;
 pub mod plc;

@@ -36,6 +36,7 @@ mod snapshots;
 mod stability;
 mod support;
 mod text;
+mod told;
 mod verify_engines;
 mod verify_eventually;
 mod verify_export;

@@ -243,6 +243,7 @@ codes! {
     GivenByPlant "E705" "a scenario sets an input that the plant gives",
     NothingRan "E706" "an expectation stands where no scan has run",
     CyclicScenarios "E707" "scenarios begin after each other",
+    BadHappening "E708" "a scenario lets something happen that the plant does not know",
 
     Different "E801" "a program does not do what its chart says",
     Undecided "E802" "a program cannot be compared with a chart",

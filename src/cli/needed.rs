@@ -229,10 +229,10 @@ fn human(found: &Needed, time: Duration) -> String {
 fn lost(machine: &Machine, loss: &Loss) -> String {
     let name = &machine.properties[loss.property].name;
     let scan = match &loss.run {
-        Some(run) if run.frames.is_empty() => " from the beginning".to_owned(),
+        Some(run) if run.is_empty() => " from the beginning".to_owned(),
         Some(run) => {
             let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
-            format!(" in scan {}{least}", run.frames.len())
+            format!(" {}{least}", run.end())
         }
         None => String::new(),
     };

@@ -1,9 +1,10 @@
 //! A run that another tool found to what it shows on the model.
 
 use super::args::{Format, Replay as Args};
+use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, counterexample, finish, say, usage, verify};
+use super::{Outcome, finish, say, usage, verify};
 use crate::pipeline::replay::{Replayed, replay};
 use crate::pipeline::verify::{Options, words};
 use crate::simulate::vcd;
@@ -16,6 +17,9 @@ struct Result {
     question: String,
     /// How many scans it takes.
     scans: usize,
+    /// What happens between scans on the way, in order; left out where there is nothing of the kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    between: Vec<Between>,
     /// The scan from which on it can repeat itself for ever, if that is what it shows.
     repeats: Option<usize>,
     replayed: Option<bool>,
@@ -59,6 +63,7 @@ pub fn run(args: &Args) -> Outcome {
     let result = replayed.as_ref().map(|Replayed { machine, question, run }| Result {
         question: words(machine, *question),
         scans: run.frames.len(),
+        between: counterexample::between(run),
         repeats: run.repeats,
         replayed: run.replayed,
         scenario: run.scenario.clone(),

@@ -91,15 +91,16 @@ fn write(args: &Args, machine: &Machine, recording: &Recording) -> Result<(), Fi
 fn by_scenario(machine: &Machine, program: Program, index: usize, scans: Option<u64>) -> (Recording, Outcome) {
     let mut recording = Recording::all();
     let wanted = scans.unwrap_or(u64::MAX);
-    let verdict = scenario::play(machine, program, index, &mut |scan, frame| {
-        if scan <= wanted {
-            recording.push(scan, frame);
+    let verdict = scenario::watch(machine, program, index, &mut |moment| {
+        if moment.scan <= wanted {
+            recording.take(moment);
         }
     });
     let outcome = match verdict.failure {
         Some(failure) if failure.scan <= wanted => {
             let when = seconds(milliseconds(machine, failure.scan));
-            say(&format!("the scenario fails in scan {}, {when}; `chartwright test` says more\n", failure.scan));
+            let word = if failure.between { "after" } else { "in" };
+            say(&format!("the scenario fails {word} scan {}, {when}; `chartwright test` says more\n", failure.scan));
             Outcome::Wrong
         }
         _ => Outcome::Fine,

@@ -136,7 +136,7 @@ fn play(machine: &Machine, file: &FileReport, filter: Option<&str>, tests: &mut 
         }
         for (name, program) in &programs {
             let mut recording = Recording::last(REMEMBERED);
-            let verdict = scenario::play(machine, program.clone(), i, &mut |scan, frame| recording.push(scan, frame));
+            let verdict = scenario::watch(machine, program.clone(), i, &mut |moment| recording.take(moment));
             tests.push(Test {
                 file: file.file.clone(),
                 scenario: scenario.name.clone(),
@@ -153,13 +153,21 @@ fn failed(machine: &Machine, source: &str, failure: &Failure, recording: &Record
     let (line, column) = LineIndex::new(source).position(failure.span.range().start as u32);
     let when = milliseconds(machine, failure.scan);
     let scan = format!("scan {}, {}", failure.scan, seconds(when));
+    // In what happens between two scans, after the one and before the other.
+    let (at, at_end) = match (failure.between, failure.scan) {
+        (true, 0) => ("before the first scan".to_owned(), "before the first scan".to_owned()),
+        (true, _) => (format!("after {scan}"), format!("between scans, after {scan}")),
+        (false, _) => (format!("in {scan}"), format!("after {scan}")),
+    };
     let message = match failure.kind {
-        Expectation::Now => format!("is not so after {scan}"),
+        Expectation::Now => format!("is not so {at_end}"),
         Expectation::Within(n) => {
             format!("has not become so within {}, up to {scan}", seconds(u64::from(n) * u64::from(machine.cycle)))
         }
-        Expectation::Always => format!("is not so any more in {scan}"),
-        Expectation::Never => format!("is so in {scan}"),
+        Expectation::Always => format!("is not so any more {at}"),
+        Expectation::Never => format!("is so {at}"),
+        Expectation::Happens => format!("cannot happen {at}"),
+        Expectation::BeforeWriting => format!("is too late {at}: no outputs wait to be written"),
     };
     Failed {
         line,

@@ -1,9 +1,10 @@
 //! A model to what is true of all its runs.
 
 use super::args::{Deny, Format, Verify as Args, VerifyEngine, VerifyProgram};
+use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, counterexample, finish, needed, read, say, usage};
+use super::{Outcome, finish, needed, read, say, usage};
 use crate::ir::chart::Machine;
 use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified, words};
 use crate::simulate::{tree, vcd};
@@ -37,6 +38,9 @@ struct JsonAnswer {
     reason: Option<String>,
     /// How many scans the run takes that shows it.
     scans: Option<usize>,
+    /// What happens between scans on the way, in order; left out where there is nothing of the kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    between: Vec<Between>,
     shortest: Option<bool>,
     /// The scan from which on it can repeat itself for ever, if that is what it shows.
     repeats: Option<usize>,
@@ -81,7 +85,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     finish("verify", args.output.format, &report, &result(&verified));
     if args.output.format == Format::Human {
-        say(&human(&verified, begun.elapsed()));
+        // A step of the plant, and a writing, takes the system on as a scan does.
+        let transition = if verified.machine.plant.by_steps && !args.open { "transitions" } else { "scans" };
+        say(&human(&verified, transition, begun.elapsed()));
     }
     let fine = verified.answers.iter().all(|a| match a.status {
         Status::Holds => true,
@@ -186,6 +192,7 @@ fn result(verified: &Verified) -> Result {
         demand: a.demand,
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
         scans: a.run.as_ref().map(|r| r.frames.len()),
+        between: a.run.as_ref().map(counterexample::between).unwrap_or_default(),
         shortest: a.run.as_ref().map(|r| r.shortest),
         repeats: a.run.as_ref().and_then(|r| r.repeats),
         replayed: a.run.as_ref().and_then(|r| r.replayed),
@@ -206,7 +213,7 @@ fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
     run.frames.last().map(|frame| tree::show(machine, frame))
 }
 
-fn human(verified: &Verified, time: Duration) -> String {
+fn human(verified: &Verified, transitions: &str, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
     if let Some(refusal) = verified.refusal {
@@ -223,10 +230,10 @@ fn human(verified: &Verified, time: Duration) -> String {
             (_, Status::Unknown(limit)) => {
                 let _ = write!(text, " ({limit})");
             }
-            (Some(run), _) if run.frames.is_empty() => text += " (from the beginning)",
+            (Some(run), _) if run.is_empty() => text += " (from the beginning)",
             (Some(run), _) => {
                 let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
-                let _ = write!(text, " (in scan {}{least})", run.frames.len());
+                let _ = write!(text, " ({}{least})", run.end());
             }
             (None, _) => {}
         }
@@ -247,12 +254,12 @@ fn human(verified: &Verified, time: Duration) -> String {
     }
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
         let run = a.run.as_ref().expect("a counterexample has a run");
-        if !run.frames.is_empty() {
+        if !run.is_empty() {
             let _ = write!(text, "\n{}", counterexample::human(machine, a.question, run));
         }
     }
     let _ = match (&verified.states, verified.scans) {
-        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} scans"),
+        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} {transitions}"),
         _ => writeln!(text, "\nnot all states were explored"),
     };
     let _ = writeln!(

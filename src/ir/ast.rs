@@ -581,6 +581,8 @@ pub enum Doing {
     Release(Vec<Name>),
     /// `place Vertical at Down`.
     Place(Name, Name),
+    /// `happens "…"`, with whether `before writing`; nothing for `happens nothing`.
+    Happens(Option<Text>, bool),
     /// `wait 100ms`.
     Wait(Time),
     /// `wait until … within 2s`.

@@ -179,6 +179,11 @@ impl Writer<'_> {
                     format!("release {}", names.join(", "))
                 }
                 Doing::Place(actuator, position) => format!("place {}", self.place(*actuator, *position)),
+                Doing::Happens(None) => "happens nothing".to_owned(),
+                Doing::Happens(Some(told)) => {
+                    let when = if told.before_writing { " before writing" } else { "" };
+                    format!("happens {}{when}", m.plant.happenings[told.happening].text)
+                }
                 Doing::Wait(scans) => format!("wait {scans} scans"),
                 Doing::Until(c, scans) => format!("until {} within {scans} scans", self.condition(c)),
                 Doing::Expect(c) => format!("expect {}", self.condition(c)),

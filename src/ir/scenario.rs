@@ -30,7 +30,9 @@
 //! [of a valve](Rule::is_of_valve). When the inputs are read, all other rules are, as above.
 //!
 //! A run by a scenario is the one in which, between writing and reading, each happening happens once whose condition holds after
-//! the writing and still does when its turn comes, in the order in which they are written; in the first scan none does. Verification covers all courses; there an actuator that
+//! the writing and still does when its turn comes, in the order in which they are written; in the first scan none does. In a
+//! scenario that [tells](Scenario::tells) what happens, that happens and nothing else. What is always or never so
+//! is looked at after each reading, writing and happening; what reads how it came to that, only after readings. Verification covers all courses; there an actuator that
 //! travels takes its way step by step among the happenings.
 
 use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark};
@@ -270,6 +272,15 @@ pub struct Step {
     pub span: Span,
 }
 
+/// Something that a scenario lets happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// Which of the plant's happenings, by index.
+    pub happening: usize,
+    /// Whether it happens before the outputs of the last scan are written, and not after that.
+    pub before_writing: bool,
+}
+
 /// What a line of a scenario does. Only `Press`, `Wait` and `Until` let scans run.
 #[derive(Clone, Debug)]
 pub enum Doing {
@@ -283,6 +294,8 @@ pub enum Doing {
     Release(Vec<InputId>),
     /// Puts an actuator at a position.
     Place(ActuatorId, usize),
+    /// Lets something happen, or nothing; what happens in the plant does so only when told.
+    Happens(Option<Told>),
     /// Runs scans.
     Wait(u32),
     /// Runs one scan and more until the condition holds; it has to within that many.
@@ -293,6 +306,28 @@ pub enum Doing {
     Watch(Condition, bool),
     /// All that several times.
     Repeat(u32, Vec<Step>),
+}
+
+impl Scenario {
+    /// Whether it tells what happens in the plant, so that nothing does by itself.
+    pub fn tells(&self) -> bool {
+        fn tell(steps: &[Step]) -> bool {
+            steps.iter().any(|step| match &step.doing {
+                Doing::Happens(_) => true,
+                Doing::Repeat(_, inner) => tell(inner),
+                Doing::Set(_)
+                | Doing::Press(..)
+                | Doing::Force(_)
+                | Doing::Release(_)
+                | Doing::Place(..)
+                | Doing::Wait(_)
+                | Doing::Until(..)
+                | Doing::Expect(_)
+                | Doing::Watch(..) => false,
+            })
+        }
+        tell(&self.steps)
+    }
 }
 
 impl Plant {
@@ -346,9 +381,23 @@ impl Seen {
     pub fn is_past(self) -> bool {
         matches!(self, Seen::PrevBit(_) | Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_)))
     }
+
+    /// Whether it has a meaning in scans only, and none at a moment between two of them.
+    pub fn is_of_scans(self) -> bool {
+        self.is_past() || matches!(self, Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_))
+    }
 }
 
 impl Machine {
+    /// Whether it is of the plant alone, and changes between scans.
+    pub fn is_hidden(&self, seen: Seen) -> bool {
+        match seen {
+            Seen::Bit(_) => true,
+            Seen::Compare(c) => self.plant.comparisons[c].is_hidden(),
+            Seen::Machine(_) | Seen::PrevBit(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => false,
+        }
+    }
+
     /// What an input or hidden bit is called.
     pub fn given(&self, given: Given) -> &str {
         match given {

@@ -192,6 +192,10 @@ impl Writer {
                 }
                 Doing::Release(names) => format!("release {}", list(names)),
                 Doing::Place(actuator, position) => format!("place {} at {}", actuator.text, position.text),
+                Doing::Happens(None, _) => "happens nothing".to_owned(),
+                Doing::Happens(Some(what), before) => {
+                    format!("happens{}{}", quoted(what), if *before { " before writing" } else { "" })
+                }
                 Doing::Wait(t) => format!("wait {}", time(t)),
                 Doing::Until(g, t) => format!("wait until {} within {}", condition(g), time(t)),
                 Doing::Expect(g) => format!("expect {}", condition(g)),

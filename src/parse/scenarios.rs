@@ -46,6 +46,7 @@ fn steps<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Step>) {
             | Rule::force
             | Rule::release
             | Rule::place
+            | Rule::happens
             | Rule::wait
             | Rule::expect
             | Rule::watch
@@ -56,6 +57,9 @@ fn steps<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Step>) {
 }
 
 fn step<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Step {
+    if p.as_rule() == Rule::happens {
+        return happens(p);
+    }
     let mut place = span(&p);
     let (rule, source) = (p.as_rule(), p.as_str());
     let mut parts = Parts::default();
@@ -106,6 +110,20 @@ fn step<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Step {
         other => unreachable!("{other:?} is no line of a scenario"),
     };
     Step { doing, span: place, description }
+}
+
+/// A line whose text says what is done, and not why.
+fn happens(p: Pair<'_, Rule>) -> Step {
+    let place = span(&p);
+    let (mut what, mut before) = (None, false);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::text => what = Some(text(p)),
+            Rule::before => before = true,
+            _ => {}
+        }
+    }
+    Step { doing: Doing::Happens(what, before), span: place, description: None }
 }
 
 /// What lines of scenarios consist of.

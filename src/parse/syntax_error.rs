@@ -158,9 +158,15 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::scenario => "`scenario`".into(),
         Rule::preset => "`set` or `reset`".into(),
         Rule::watch => "`always` or `never`".into(),
-        Rule::press | Rule::force | Rule::release | Rule::place | Rule::wait | Rule::expect | Rule::repeat => {
-            format!("`{rule:?}`")
-        }
+        Rule::before => "`before writing`".into(),
+        Rule::press
+        | Rule::force
+        | Rule::release
+        | Rule::place
+        | Rule::happens
+        | Rule::wait
+        | Rule::expect
+        | Rule::repeat => format!("`{rule:?}`"),
         other => {
             let name = format!("{other:?}");
             let word = name.strip_prefix("kw_")?;

@@ -2,6 +2,7 @@
 
 pub mod needed;
 pub mod replay;
+mod run;
 mod rungs;
 pub mod verify;
 pub mod without;

@@ -4,7 +4,8 @@
 //! declared properties that it keeps with all of them. The first scans come first: what a constraint prevents mostly
 //! shows early, and then nothing else has to be found out.
 
-use super::verify::{Options, Question, Refusal, Run, show};
+use super::run::{Run, show};
+use super::verify::{Options, Question, Refusal};
 use super::without;
 use crate::base::{Diagnostic, Diagnostics, Severity};
 use crate::constraints::redundancy;

@@ -1,7 +1,8 @@
 //! A model and a run that another tool found to the run as it is in the simulator.
 
 use super::check;
-use super::verify::{Options, Question, Run, show};
+use super::run::{Run, show};
+use super::verify::{Options, Question};
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::Machine;
 use crate::verify::export::witness;

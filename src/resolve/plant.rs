@@ -51,6 +51,7 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             Doing::Press(..)
             | Doing::Force(..)
             | Doing::Release(..)
+            | Doing::Happens(..)
             | Doing::Wait(..)
             | Doing::Until(..)
             | Doing::Expect(..)

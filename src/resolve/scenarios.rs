@@ -5,7 +5,7 @@ use super::expressions::Context;
 use super::names::describe;
 use crate::base::{Code, Diagnostic, Span, limits};
 use crate::ir::ast;
-use crate::ir::scenario::{Doing, Given, Scenario, Step};
+use crate::ir::scenario::{Doing, Given, Scenario, Step, Told};
 
 pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     let gives = r.machine.plant.gives(r.machine.inputs.len());
@@ -68,6 +68,11 @@ fn step(r: &mut Resolver, written: &ast::Step, gives: &[bool], ran: &mut bool) -
             let (actuator, position) = r.place(actuator, position)?;
             Doing::Place(actuator, position)
         }
+        ast::Doing::Happens(what, before) => {
+            // What is expected behind it is expected at that moment.
+            *ran |= what.is_some();
+            Doing::Happens(told(r, what.as_ref(), *before, written.span)?)
+        }
         ast::Doing::Wait(time) => {
             *ran = true;
             Doing::Wait(r.scans(time, 1))
@@ -102,6 +107,43 @@ fn step(r: &mut Resolver, written: &ast::Step, gives: &[bool], ran: &mut bool) -
         }
     };
     Some(Step { doing, text: describe(&written.description), span: written.span })
+}
+
+/// What a scenario lets happen, if anything; reports what the plant does not know, or knows twice.
+fn told(r: &mut Resolver, what: Option<&ast::Text>, before_writing: bool, line: Span) -> Option<Option<Told>> {
+    let happenings = &r.machine.plant.happenings;
+    let Some(what) = what else {
+        if r.machine.plant.by_steps {
+            return Some(None);
+        }
+        r.diagnostics.push(
+            Diagnostic::new(Code::BadHappening, "the plant does not go by steps")
+                .label(line, "nothing happens there by itself")
+                .help("only in a `plant by steps` things happen between scans"),
+        );
+        return None;
+    };
+    let named: Vec<usize> = (0..happenings.len()).filter(|&i| happenings[i].text == what.value).collect();
+    let diagnostic = match named[..] {
+        [happening] => return Some(Some(Told { happening, before_writing })),
+        [] => {
+            let known = happenings.iter().map(|h| format!("`{}`", h.text)).collect::<Vec<_>>().join(", ");
+            let help =
+                if known.is_empty() { "the plant has no steps".to_owned() } else { format!("there are {known}") };
+            Diagnostic::new(Code::BadHappening, format!("no step of the plant is called `{}`", what.value))
+                .label(what.span, "no step has this text")
+                .help(help)
+        }
+        [first, second, ..] => {
+            Diagnostic::new(Code::BadHappening, format!("two steps of the plant are called `{}`", what.value))
+                .label(what.span, "could be either of them")
+                .label(happenings[first].span, "this one")
+                .label(happenings[second].span, "or this one")
+                .help("give steps that a scenario tells texts of their own")
+        }
+    };
+    r.diagnostics.push(diagnostic);
+    None
 }
 
 /// What the scenario itself may give; reports what the plant gives.
@@ -172,6 +214,7 @@ fn length(steps: &[Step]) -> u64 {
             | Doing::Force(..)
             | Doing::Release(..)
             | Doing::Place(..)
+            | Doing::Happens(_)
             | Doing::Expect(..)
             | Doing::Watch(..) => 0,
         });

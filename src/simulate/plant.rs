@@ -3,7 +3,7 @@
 use super::chance;
 use super::frame::{Frame, Layout};
 use crate::ir::chart::{ActuatorId, InputId, Machine};
-use crate::ir::scenario::{Alteration, CountId, Given, Happening, Valve};
+use crate::ir::scenario::{Alteration, CountId, Given, Valve};
 
 /// The plant of a machine that runs, with what a scenario does to it.
 #[derive(Clone, Debug)]
@@ -19,8 +19,9 @@ pub struct Plant {
     at_writing: Vec<bool>,
     /// Where steps happen by chance, the state of the generator.
     chance: Option<u64>,
-    /// What stands at the terminals: inputs, hidden values and, once [`Plant::step`] has begun, outputs of the
-    /// scan before.
+    /// The outputs that the program has decided and that are still to be written.
+    decided: Option<Vec<bool>>,
+    /// What stands at the terminals: inputs, hidden values and outputs that have been written.
     values: Frame,
     first: bool,
 }
@@ -45,6 +46,7 @@ impl Plant {
             forced: vec![None; machine.inputs.len()],
             at_writing: machine.plant.rules.iter().map(|r| machine.plant.by_steps && r.is_of_valve()).collect(),
             chance: None,
+            decided: None,
             values: layout.frame(),
             first: true,
         };
@@ -89,18 +91,40 @@ impl Plant {
         }
     }
 
-    /// Moves for one scan. `before` is the frame of the scan before, `earlier` of the one before that; both
-    /// are all FALSE as far as there was none. Returns the inputs that the program samples.
-    pub fn step(&mut self, machine: &Machine, before: &Frame, earlier: &Frame) -> &[bool] {
+    /// The program has decided on outputs.
+    pub fn decide(&mut self, outputs: &[bool]) {
+        self.decided = Some(outputs.to_vec());
+    }
+
+    /// Whether outputs are still to be written that the program has decided on.
+    pub fn waits(&self) -> bool {
+        self.decided.is_some()
+    }
+
+    /// Writes the outputs on which the program has decided, unless that has been done.
+    pub fn write(&mut self, machine: &Machine) {
+        let Some(decided) = self.decided.take() else { return };
+        self.live_by_chance(machine);
         let outputs = self.layout.outputs();
-        if machine.plant.by_steps && !self.first {
-            self.values[outputs.clone()].copy_from_slice(&earlier[outputs.clone()]);
-            self.live(machine, true);
-            self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
-            self.write(machine);
-            self.live(machine, false);
+        self.values[outputs].copy_from_slice(&decided);
+        self.follow(machine);
+        self.live_by_chance(machine);
+    }
+
+    /// What may happen now and does by itself, by index.
+    pub fn possible(&self, machine: &Machine) -> Vec<usize> {
+        if self.first || self.chance.is_some() {
+            return Vec::new();
         }
-        self.values[outputs.clone()].copy_from_slice(&before[outputs.clone()]);
+        // What only others make possible waits for the next scan, so that nothing goes its whole way in one.
+        (0..machine.plant.happenings.len()).filter(|&i| self.can_happen(machine, i)).collect()
+    }
+
+    /// Moves up to the next reading, once outputs have been written. `before` is the frame of the scan before, `earlier` of the
+    /// one before that; both are all FALSE as far as there was none. Returns the inputs that the program samples.
+    pub fn step(&mut self, machine: &Machine, before: &Frame, earlier: &Frame) -> &[bool] {
+        self.write(machine);
+        let outputs = self.layout.outputs();
         let mut past = before.clone();
         past[outputs.clone()].copy_from_slice(&earlier[outputs]);
         self.travel(machine, &past);
@@ -129,21 +153,12 @@ impl Plant {
         &self.values[self.layout.inputs()]
     }
 
-    /// What happens between a reading of the inputs and the writing of the outputs, or between that and the next
-    /// reading.
-    fn live(&mut self, machine: &Machine, before_writing: bool) {
-        let Some(mut state) = self.chance else {
-            if !before_writing {
-                // What only others make possible waits for the next scan, so that nothing goes its whole way in one.
-                let possible: Vec<&Happening> =
-                    machine.plant.happenings.iter().filter(|h| self.can_happen(machine, h)).collect();
-                possible.into_iter().for_each(|h| self.happen(machine, h));
-            }
-            return;
-        };
+    /// What happens by chance before or after a writing.
+    fn live_by_chance(&mut self, machine: &Machine) {
+        let Some(mut state) = self.chance else { return };
         // Some rounds, mostly few: a plant that is slower than the program, and now and then faster.
         while chance::next(&mut state) & 1 == 1 {
-            for happening in &machine.plant.happenings {
+            for happening in 0..machine.plant.happenings.len() {
                 if chance::next(&mut state) & 1 == 1 {
                     self.happen(machine, happening);
                 }
@@ -152,16 +167,18 @@ impl Plant {
         self.chance = Some(state);
     }
 
-    fn can_happen(&self, machine: &Machine, happening: &Happening) -> bool {
+    /// Whether the happening of that index can happen now.
+    pub fn can_happen(&self, machine: &Machine, happening: usize) -> bool {
         // A step reads no past.
-        self.layout.holds(machine, &happening.condition, &self.values, &self.values)
+        self.layout.holds(machine, &machine.plant.happenings[happening].condition, &self.values, &self.values)
     }
 
-    /// Lets something happen if it can.
-    fn happen(&mut self, machine: &Machine, happening: &Happening) {
+    /// Lets something happen if it can, and says whether it could.
+    pub fn happen(&mut self, machine: &Machine, happening: usize) -> bool {
         if !self.can_happen(machine, happening) {
-            return;
+            return false;
         }
+        let happening = &machine.plant.happenings[happening];
         let before = self.values.clone();
         for outcome in happening.outcomes.iter().filter(|o| self.layout.holds(machine, &o.condition, &before, &before))
         {
@@ -174,10 +191,11 @@ impl Plant {
                 }
             }
         }
+        true
     }
 
     /// Valves follow outputs that have just been written.
-    fn write(&mut self, machine: &Machine) {
+    fn follow(&mut self, machine: &Machine) {
         for (rule, _) in machine.plant.rules.iter().zip(&self.at_writing).filter(|(_, at_writing)| **at_writing) {
             if self.layout.holds(machine, &rule.condition, &self.values, &self.values) {
                 let place = self.layout.place(rule.target);
@@ -189,6 +207,13 @@ impl Plant {
     /// The value of a hidden integer.
     pub fn count(&self, count: CountId) -> i64 {
         self.layout.count(count, &self.values)
+    }
+
+    /// Writes all that is hidden into a frame.
+    pub fn reveal(&self, frame: &mut Frame) {
+        let bits = self.layout.inputs().end..self.layout.given().end;
+        frame[bits.clone()].copy_from_slice(&self.values[bits]);
+        self.tell(frame);
     }
 
     /// Writes the values of hidden integers into a frame.

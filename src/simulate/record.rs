@@ -2,6 +2,7 @@
 
 use super::frame::{Frame, Layout};
 use super::run::milliseconds;
+use super::scenario::Moment;
 use crate::ir::chart::{Machine, ScanNumber, StateId};
 use crate::ir::scenario::{Counted, Seen};
 use std::collections::{BTreeMap, VecDeque};
@@ -10,15 +11,15 @@ use std::fmt::Write;
 /// What happened in a run, or in its last scans.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Frames with their scans, counted from 1.
-    frames: VecDeque<(u64, Frame)>,
+    /// Frames with their scans, counted from 1, and what has happened since, if they are of a moment after the scan.
+    moments: VecDeque<(u64, Option<String>, Frame)>,
     most: usize,
 }
 
 impl Recording {
-    /// An empty recording that keeps the last `most` scans.
+    /// An empty recording that keeps the last `most` frames.
     pub fn last(most: usize) -> Recording {
-        Recording { frames: VecDeque::new(), most }
+        Recording { moments: VecDeque::new(), most }
     }
 
     /// An empty recording that keeps everything.
@@ -28,26 +29,41 @@ impl Recording {
 
     /// Takes in a scan.
     pub fn push(&mut self, scan: u64, frame: &Frame) {
-        if self.frames.len() == self.most {
-            self.frames.pop_front();
+        self.take(Moment { scan, happens: None, frame });
+    }
+
+    /// Takes in a scan, or what happens after it.
+    pub fn take(&mut self, moment: Moment<'_>) {
+        let Moment { scan, happens, frame } = moment;
+        if self.moments.len() == self.most {
+            self.moments.pop_front();
         }
-        self.frames.push_back((scan, frame.clone()));
+        self.moments.push_back((scan, happens.map(str::to_owned), frame.clone()));
     }
 
-    /// The frames with their scans, in order.
+    /// The scans with their frames, in order.
     pub fn frames(&self) -> impl Iterator<Item = (u64, &Frame)> {
-        self.frames.iter().map(|(scan, frame)| (*scan, frame))
+        self.moments.iter().filter(|(_, happens, _)| happens.is_none()).map(|(scan, _, frame)| (*scan, frame))
     }
 
-    /// The scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
+    /// The same with the moments between them: the scan before, what has happened, the frame.
+    pub fn moments(&self) -> impl Iterator<Item = (u64, Option<&str>, &Frame)> {
+        self.moments.iter().map(|(scan, happens, frame)| (*scan, happens.as_deref(), frame))
+    }
+
+    /// A line for each thing that happened between scans, and the scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
     /// became FALSE with `-`, integers with their new values, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
     pub fn table(&self, machine: &Machine, most: usize) -> String {
         let names = Names::of(machine);
         let mut rows: Vec<[String; 5]> = Vec::new();
         let mut before: Option<&Frame> = None;
-        for (scan, frame) in self.frames() {
+        for (scan, happens, frame) in self.moments() {
             // Of a run whose beginning is not there, the first frame only says what was before.
-            if before.is_some() || scan == 1 {
+            if let (Some(happens), true) = (happens, before.is_some() || scan == 0) {
+                let [hidden, ..] = names.changes(before, frame);
+                let line = if hidden.is_empty() { happens.to_owned() } else { format!("{happens}: {hidden}") };
+                rows.push([String::new(), "|".to_owned(), line, String::new(), String::new()]);
+            } else if before.is_some() || scan == 1 {
                 let cells = names.changes(before, frame);
                 if scan == 1 || cells.iter().any(|c| !c.is_empty()) {
                     let [inputs, outputs, states] = cells;
@@ -198,7 +214,8 @@ pub fn seconds(milliseconds: u64) -> String {
 /// Columns of equal width; numbers to the right.
 fn grid<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
     let mut widths = head.map(str::len);
-    for row in rows {
+    // What happened between scans is a line of its own, however long.
+    for row in rows.iter().filter(|row| !row[0].is_empty()) {
         for (width, cell) in widths.iter_mut().zip(row) {
             *width = (*width).max(cell.chars().count());
         }

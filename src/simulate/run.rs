@@ -161,6 +161,8 @@ pub struct Run<'m> {
     plant: Plant,
     now: Frame,
     before: Frame,
+    /// The values of the last scan with what is hidden as it is by now, if something has happened since.
+    since: Option<Frame>,
     scans: u64,
 }
 
@@ -169,7 +171,7 @@ impl<'m> Run<'m> {
     pub fn new(machine: &'m Machine, program: Program) -> Run<'m> {
         let layout = Layout::of(machine);
         let plant = Plant::new(machine);
-        Run { machine, layout, program, plant, now: layout.frame(), before: layout.frame(), scans: 0 }
+        Run { machine, layout, program, plant, now: layout.frame(), before: layout.frame(), since: None, scans: 0 }
     }
 
     /// The machine.
@@ -199,12 +201,45 @@ impl<'m> Run<'m> {
 
     /// Lets the plant move and the program run once.
     pub fn scan(&mut self) {
+        for happening in self.write() {
+            self.happen(happening);
+        }
+        self.read();
+    }
+
+    /// Writes outputs, unless that has been done since the last scan. Returns what may happen then and does by itself, by
+    /// index.
+    pub fn write(&mut self) -> Vec<usize> {
+        self.plant.write(self.machine);
+        self.look();
+        self.plant.possible(self.machine)
+    }
+
+    /// Lets something happen in the plant if it can, and says whether it could.
+    pub fn happen(&mut self, happening: usize) -> bool {
+        let happens = self.plant.happen(self.machine, happening);
+        self.look();
+        happens
+    }
+
+    fn look(&mut self) {
+        if self.machine.plant.by_steps {
+            let mut since = self.now.clone();
+            self.plant.reveal(&mut since);
+            self.since = Some(since);
+        }
+    }
+
+    /// Reads inputs and lets the program run once.
+    pub fn read(&mut self) {
+        self.since = None;
         self.plant.step(self.machine, &self.now, &self.before);
         std::mem::swap(&mut self.now, &mut self.before);
         let given = self.layout.given();
         self.now[given.clone()].copy_from_slice(self.plant.given());
         self.plant.tell(&mut self.now);
         self.program.scan(self.machine, &self.layout, &mut self.now);
+        self.plant.decide(&self.now[self.layout.outputs()]);
         if self.scans == 0 {
             // What has no past has no edge.
             let (now, before) = (&self.now, &mut self.before);
@@ -228,17 +263,27 @@ impl<'m> Run<'m> {
         &self.now
     }
 
+    /// The same with what is hidden as it is by now.
+    pub fn moment(&self) -> &Frame {
+        self.since.as_ref().unwrap_or(&self.now)
+    }
+
+    /// Whether something may have happened in the plant since the last scan.
+    pub fn is_between(&self) -> bool {
+        self.since.is_some()
+    }
+
     /// The input's value in the last scan.
     pub fn input(&self, input: InputId) -> bool {
         self.now[self.layout.input(input)]
     }
 
-    /// Whether the condition held at the end of the last scan.
+    /// Whether the condition holds: it did at the end of the last scan, with what is hidden as it is by now.
     pub fn holds(&self, condition: &Condition) -> bool {
-        self.layout.holds(self.machine, condition, &self.now, &self.before)
+        self.layout.holds(self.machine, condition, self.moment(), &self.before)
     }
 
-    /// What the condition reads, each name once, with its value at the end of the last scan.
+    /// What the condition reads, each name once, with its value.
     pub fn values(&self, condition: &Condition) -> Vec<(String, bool)> {
         let mut values: Vec<(String, bool)> = Vec::new();
         condition.for_each_atom(&mut |&seen| {
@@ -256,7 +301,7 @@ impl<'m> Run<'m> {
                 | Seen::Broken(_) => {}
             }
             if values.iter().all(|(n, _)| *n != name) {
-                values.push((name, self.layout.value(self.machine, seen, &self.now, &self.before)));
+                values.push((name, self.layout.value(self.machine, seen, self.moment(), &self.before)));
             }
         });
         values
@@ -269,7 +314,7 @@ impl<'m> Run<'m> {
         comparison.right.for_each_value(&mut |i| read.push(of(i)));
         read.sort_unstable();
         read.dedup();
-        let one = |i: Counted| format!("{} is {}", self.machine.counted(i), self.layout.counted(i, &self.now));
+        let one = |i: Counted| format!("{} is {}", self.machine.counted(i), self.layout.counted(i, self.moment()));
         format!(" ({})", read.into_iter().map(one).collect::<Vec<_>>().join(", "))
     }
 }

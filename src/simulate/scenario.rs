@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::run::{Program, Run};
 use crate::base::Span;
 use crate::ir::chart::Machine;
-use crate::ir::scenario::{Condition, Doing, Given, Scenario, Step};
+use crate::ir::scenario::{Condition, Doing, Given, Happening, Scenario, Seen, Step, Told};
 
 /// How a scenario went.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub struct Verdict {
     pub scans: u64,
     /// What went wrong first, if something did.
     pub failure: Option<Failure>,
+    /// The values at the end, with what was hidden then.
+    pub last: Frame,
 }
 
 /// Why a scenario failed, and when.
@@ -24,8 +26,10 @@ pub struct Failure {
     pub span: Span,
     /// Its text.
     pub text: String,
-    /// The scan, counted from 1.
+    /// The scan, counted from 1; nothing has run where it is 0.
     pub scan: u64,
+    /// Whether it was seen after that scan, in what happens in the plant before the next one.
+    pub between: bool,
     /// What the condition reads, with the values after that scan.
     pub values: Vec<(String, bool)>,
 }
@@ -41,19 +45,44 @@ pub enum Expectation {
     Always,
     /// The opposite of the condition, in each scan.
     Never,
+    /// That the plant can take the step then.
+    Happens,
+    /// That outputs still wait to be written.
+    BeforeWriting,
+}
+
+/// Something that a scenario comes to see.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// How many scans have run.
+    pub scan: u64,
+    /// What has happened since the last one, if this is not its end.
+    pub happens: Option<&'a str>,
+    /// The values.
+    pub frame: &'a Frame,
 }
 
 /// Plays the scenario of that index and stops at the first failure. `each` sees every scan's frame.
 pub fn play(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(u64, &Frame)) -> Verdict {
-    let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), each };
+    watch(machine, program, scenario, &mut |moment| {
+        if moment.happens.is_none() {
+            each(moment.scan, moment.frame);
+        }
+    })
+}
+
+/// The same for who wants to see what the scenario lets happen between scans, too.
+pub fn watch(machine: &Machine, program: Program, scenario: usize, each: &mut dyn FnMut(Moment<'_>)) -> Verdict {
+    let mut player = Player { run: Run::new(machine, program), watches: Vec::new(), told: false, each };
     let mut failure = None;
     for scenario in chain(machine, scenario) {
+        player.told = scenario.tells();
         failure = player.steps(&scenario.steps).err();
         if failure.is_some() {
             break;
         }
     }
-    Verdict { scans: player.run.scans(), failure: failure.map(|f| *f) }
+    Verdict { scans: player.run.scans(), failure: failure.map(|f| *f), last: player.run.moment().clone() }
 }
 
 /// The scenario with those that are played before it, first first.
@@ -68,7 +97,9 @@ struct Player<'m, 'e> {
     run: Run<'m>,
     /// What `always` and `never` have begun to watch, with the line.
     watches: Vec<(&'m Condition, bool, &'m Step)>,
-    each: &'e mut dyn FnMut(u64, &Frame),
+    /// Whether nothing happens in the plant by itself.
+    told: bool,
+    each: &'e mut dyn FnMut(Moment<'_>),
 }
 
 type Played = Result<(), Box<Failure>>;
@@ -104,6 +135,8 @@ impl<'m> Player<'m, '_> {
                 self.run.plant().place(machine, *actuator, *position);
                 Ok(())
             }
+            Doing::Happens(None) => Ok(()),
+            Doing::Happens(Some(told)) => self.happen(*told, step),
             Doing::Wait(scans) => (0..*scans).try_for_each(|_| self.scan()),
             Doing::Until(condition, within) => {
                 for _ in 0..*within {
@@ -144,9 +177,55 @@ impl<'m> Player<'m, '_> {
     }
 
     fn scan(&mut self) -> Played {
-        self.run.scan();
-        (self.each)(self.run.scans(), self.run.frame());
+        let possible = self.write()?;
+        for happening in possible.into_iter().filter(|_| !self.told) {
+            if self.run.happen(happening) {
+                self.watch()?;
+            }
+        }
+        self.run.read();
+        (self.each)(Moment { scan: self.run.scans(), happens: None, frame: self.run.frame() });
+        self.watch()
+    }
+
+    /// Lets outputs be written. Returns what may happen then.
+    fn write(&mut self) -> Result<Vec<usize>, Box<Failure>> {
+        let before = self.run.moment().clone();
+        let possible = self.run.write();
+        if *self.run.moment() != before {
+            self.tell("outputs are written");
+            self.watch()?;
+        }
+        Ok(possible)
+    }
+
+    fn happen(&mut self, told: Told, step: &Step) -> Played {
+        let Happening { condition, text, .. } = &self.run.machine().plant.happenings[told.happening];
+        if !told.before_writing {
+            self.write()?;
+        } else if !self.run.plant().waits() {
+            return Err(self.failure(Expectation::BeforeWriting, step, condition));
+        }
+        if !self.run.happen(told.happening) {
+            return Err(self.failure(Expectation::Happens, step, condition));
+        }
+        self.tell(&if told.before_writing { format!("{text} before writing") } else { text.clone() });
+        self.watch()
+    }
+
+    /// Shows what a scenario that tells it has let happen.
+    fn tell(&mut self, happens: &str) {
+        if self.told {
+            (self.each)(Moment { scan: self.run.scans(), happens: Some(happens), frame: self.run.moment() });
+        }
+    }
+
+    /// Looks at what is always or never so.
+    fn watch(&self) -> Played {
         for &(condition, value, step) in &self.watches {
+            if !self.looks_at(condition) {
+                continue;
+            }
             if self.run.holds(condition) != value {
                 let kind = if value { Expectation::Always } else { Expectation::Never };
                 return Err(self.failure(kind, step, condition));
@@ -155,12 +234,26 @@ impl<'m> Player<'m, '_> {
         Ok(())
     }
 
+    /// Whether this is a moment to look at a condition. Between scans those are looked at that read something hidden, unless they read
+    /// how it came to that, too: between them there is no scan before, and no event. Before the first scan all has to be hidden.
+    fn looks_at(&self, condition: &Condition) -> bool {
+        let (mut some, mut all, mut of_scans) = (false, true, false);
+        condition.for_each_atom(&mut |&seen| {
+            let hidden = self.run.machine().is_hidden(seen);
+            some |= hidden || matches!(seen, Seen::Compare(_));
+            all &= hidden;
+            of_scans |= seen.is_of_scans();
+        });
+        !self.run.is_between() || some && !of_scans && (all || self.run.scans() > 0)
+    }
+
     fn failure(&self, kind: Expectation, step: &Step, condition: &Condition) -> Box<Failure> {
         Box::new(Failure {
             kind,
             span: step.span,
             text: step.text.clone(),
             scan: self.run.scans(),
+            between: self.run.is_between(),
             values: self.run.values(condition),
         })
     }

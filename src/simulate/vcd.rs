@@ -9,11 +9,13 @@ use super::record::{Recording, bare, columns};
 use super::run::milliseconds;
 use crate::ir::chart::{Machine, RegionId};
 use crate::ir::scenario::Counted;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use vcd::{IdCode, SimulationCommand, TimescaleUnit, VarType, Writer};
 
 /// Writes the recording as text. A scan stands at the time at which it begins, in milliseconds; one more
-/// cycle is written behind the last scan, so that it can be seen.
+/// cycle is written behind the last scan, so that it can be seen. What happens between two scans is spread over the time between
+/// them, which is in microseconds then.
 pub fn write(machine: &Machine, recording: &Recording) -> String {
     let mut dump = Dump {
         machine,
@@ -23,6 +25,7 @@ pub fn write(machine: &Machine, recording: &Recording) -> String {
         integers: Vec::new(),
         first_scan: None,
         regions: Vec::new(),
+        fine: recording.moments().any(|(_, happens, _)| happens.is_some()),
     };
     dump.head();
     dump.body(recording);
@@ -41,6 +44,8 @@ struct Dump<'m> {
     first_scan: Option<IdCode>,
     /// The variables that name the active state of a region.
     regions: Vec<(IdCode, RegionId)>,
+    /// Whether times are in microseconds.
+    fine: bool,
 }
 
 const MEMORY: &str = "writing to memory succeeds";
@@ -49,7 +54,7 @@ impl Dump<'_> {
     fn head(&mut self) {
         let (machine, layout) = (self.machine, self.layout);
         self.writer.comment("A run of a machine, by chartwright simulate").expect(MEMORY);
-        self.writer.timescale(1, TimescaleUnit::MS).expect(MEMORY);
+        self.writer.timescale(1, if self.fine { TimescaleUnit::US } else { TimescaleUnit::MS }).expect(MEMORY);
         self.writer.add_module(&machine.name).expect(MEMORY);
         let (inputs, outputs, alarms) = (layout.inputs(), layout.outputs(), layout.alarms());
         self.group("inputs", inputs.clone());
@@ -137,9 +142,20 @@ impl Dump<'_> {
     fn body(&mut self, recording: &Recording) {
         let mut before: Option<&Frame> = None;
         let mut end = 0;
-        for (scan, frame) in recording.frames() {
+        let unit = if self.fine { 1000 } else { 1 };
+        let mut inside: BTreeMap<u64, u64> = BTreeMap::new();
+        recording
+            .moments()
+            .filter(|(_, happens, _)| happens.is_some())
+            .for_each(|(s, ..)| *inside.entry(s).or_default() += 1);
+        let mut number = 0;
+        for (scan, happens, frame) in recording.moments() {
+            number = if happens.is_some() { number + 1 } else { 0 };
             let changed = |place: usize| before.is_none_or(|b| b[place] != frame[place]);
-            let time = milliseconds(self.machine, scan);
+            let cycle = u64::from(self.machine.cycle) * unit;
+            // Nothing is before the first scan but what it finds.
+            let part = if scan == 0 { 0 } else { cycle * number / (inside.get(&scan).copied().unwrap_or(0) + 1) };
+            let time = milliseconds(self.machine, scan) * unit + part;
             if before.is_none() || before.is_some_and(|b| b != frame) {
                 self.writer.timestamp(time).expect(MEMORY);
             }
@@ -174,7 +190,7 @@ impl Dump<'_> {
                 self.writer.end().expect(MEMORY);
             }
             before = Some(frame);
-            end = time + u64::from(self.machine.cycle);
+            end = milliseconds(self.machine, scan) * unit + cycle;
         }
         self.writer.timestamp(end).expect(MEMORY);
     }

@@ -208,12 +208,8 @@ impl View {
     fn looked(&self, machine: &Machine, condition: &Condition) -> Lit {
         let (mut hidden, mut scans) = (true, false);
         condition.for_each_atom(&mut |&seen| {
-            scans |= seen.is_past() || matches!(seen, Seen::Machine(Atom::Event(_)) | Seen::Acted(_) | Seen::Broken(_));
-            hidden &= match seen {
-                Seen::Bit(_) => true,
-                Seen::Compare(c) => machine.plant.comparisons[c].is_hidden(),
-                _ => false,
-            };
+            scans |= seen.is_of_scans();
+            hidden &= machine.is_hidden(seen);
         });
         match (scans, hidden) {
             (true, _) => self.turn.reading,

@@ -56,12 +56,12 @@ impl<'a> Relation<'a> {
         let mut parts = Parts { system, asked, questions: vec![Vec::new(); asked.len() + 1], changes: Vec::new() };
         let alternatives = parts.alternatives(&graph, &build);
         if alternatives.is_empty() {
-            parts.add(&mut build, &graph, None, None)?;
+            parts.add(&mut build, &graph, None)?;
         } else {
             for known in &alternatives {
                 let (restricted, image) = graph.restrict(&parts.roots(&build), &known.gates);
                 let kind = Restricted { graph: &restricted, image: &image };
-                parts.add(&mut build, &graph, Some(kind), known.when)?;
+                parts.add(&mut build, &graph, Some((kind, known)))?;
             }
         }
         let Parts { questions, changes, .. } = parts;
@@ -198,8 +198,10 @@ impl<'a> Relation<'a> {
 /// What is known of the gates in a kind of scan.
 struct Known {
     gates: Vec<(Lit, bool)>,
-    /// When it can be; nothing if it changes nothing that matters.
-    when: Option<Lit>,
+    /// When it can be.
+    when: Lit,
+    /// Whether nothing asks if it is of this kind; then it mostly changes nothing that matters.
+    is_other: bool,
 }
 
 /// The graph of a kind of scan, and what stands there for each node of the system.
@@ -238,12 +240,16 @@ impl Parts<'_> {
             .iter()
             .map(|a| {
                 let gates = a.choice.iter().copied().chain(no(Some(a.is))).chain([(a.is, true)]).collect();
-                Known { gates, when: Some(a.when) }
+                Known { gates, when: a.when, is_other: false }
             })
             .collect();
-        // In all others nothing happens that matters.
-        if !known.is_empty() && !others.is_empty() {
-            known.push(Known { gates: no(None), when: None });
+        // That nothing asks for the others does not say that they change nothing: what is none of those may.
+        if !known.is_empty() {
+            let others = others.into_iter().filter(|a| a.is.node() != 0);
+            known.extend(others.map(|a| {
+                let gates = a.choice.iter().copied().chain(no(None)).collect();
+                Known { gates, when: a.when, is_other: true }
+            }));
         }
         known
     }
@@ -259,11 +265,11 @@ impl Parts<'_> {
         &mut self,
         build: &mut Build<'_>,
         whole: &Graph,
-        kind: Option<Restricted<'_>>,
-        when: Option<Lit>,
+        kind: Option<(Restricted<'_>, &Known)>,
     ) -> Result<(), Limit> {
-        let here = |l: Lit| kind.map_or(l, |k| k.image[l.node()].xor(l.is_negated()));
-        let graph = kind.map_or(whole, |k| k.graph);
+        let here = |l: Lit| kind.map_or(l, |(k, _)| k.image[l.node()].xor(l.is_negated()));
+        let graph = kind.map_or(whole, |(k, _)| k.graph);
+        let when = kind.map(|(_, known)| known.when);
         let system = self.system;
         build.cuts.clear();
         let when = build.functions(whole, when.as_slice(), &[])?.first().copied();
@@ -301,7 +307,8 @@ impl Parts<'_> {
                 question.push(schedule::with_definitions(&build.bdd, parts, &definitions));
             }
         }
-        if kind.is_none() || when.is_some() {
+        // What changes nothing leads nowhere.
+        if !(changed.is_empty() && kind.is_some_and(|(_, known)| known.is_other)) {
             let parts = constraints.iter().copied().chain(definitions.iter().map(|d| d.1)).collect();
             self.changes.push(Change { parts, changed });
         }

@@ -5,7 +5,6 @@
 mod cylinders;
 
 use chartwright::pipeline::verify::{Options, Program, Question, Status, verify};
-use chartwright::verify::{Choice, Limits};
 use divan::Bencher;
 
 const SIZES: [usize; 4] = [5, 10, 20, 40];
@@ -17,10 +16,10 @@ fn main() {
 #[divan::bench(args = SIZES, sample_count = 1)]
 fn cylinders_behind_any_program(bencher: Bencher, cylinders: usize) {
     let source = cylinders::row(cylinders);
-    let options = Options { program: Program::Any, open: false, choice: Choice::Automatic, limits: Limits::default() };
+    let options = Options { program: Program::Any, ..Options::default() };
     bencher.bench(|| {
         let verified = verify(&source, &options, &|| false, &mut |_| {}).0.expect("the model has no errors");
-        let demands = verified.answers.iter().filter(|a| a.question.is_demand());
+        let demands = verified.answers.iter().filter(|a| a.question.kind().is_none());
         let wrong = demands.filter(|a| a.status != Status::Holds).map(|a| (a.question, a.status));
         let wrong: Vec<(Question, Status)> = wrong.collect();
         assert!(wrong.is_empty(), "{wrong:?}");

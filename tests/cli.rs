@@ -407,3 +407,27 @@ fn constraints_analyses_also_what_is_wrong() {
     let unknown = chartwright(&models, "constraints invalid/E104_unknown_name.chart");
     assert_eq!((code(&unknown), stdout(&unknown)), (1, ""));
 }
+
+#[test]
+fn what_a_run_left_that_was_ended_while_it_wrote_is_removed_by_the_next_one() {
+    let d = Scratch::new("leftovers");
+    d.write("lamp.chart", LAMP);
+    let left = [".chartwright-4194305-0.tmp", ".chartwright-7-12.tmp"];
+    // One of a run that may still be writing, and what only looks like one.
+    let kept = [".chartwright-4194306-0.tmp", ".chartwright-notes-1.tmp", ".chartwright-1-1.tmp.old", "1-0.tmp"];
+    for name in left.iter().chain(&kept) {
+        d.write(name, "<project>");
+        if *name != kept[0] {
+            let file = std::fs::File::options().write(true).open(d.path().join(name)).expect("it has been written");
+            let old = std::time::SystemTime::now() - std::time::Duration::from_secs(2 * 60 * 60);
+            file.set_modified(old).expect("a time can be set");
+        }
+    }
+    assert_eq!(code(&chartwright(d.path(), "build lamp.chart -o lamp.xml")), 0);
+    for name in left {
+        assert!(!d.path().join(name).exists(), "{name}");
+    }
+    for name in kept {
+        assert!(d.path().join(name).exists(), "{name}");
+    }
+}

@@ -1,7 +1,7 @@
 //! The examples of the documentation mean what they should.
 
 use crate::support::models::repository;
-use chartwright::pipeline;
+use chartwright::{parse, pipeline};
 
 /// The fenced blocks of a page with the words behind the fence and the line where each begins.
 fn fences(page: &str) -> Vec<(String, String, usize)> {
@@ -40,6 +40,30 @@ fn complete_examples_of_the_language_reference_have_no_errors() {
         }
         assert!(complete > 0, "{name} has a complete example");
     }
+}
+
+/// What the parts of a model that an example shows may stand in.
+const AROUND: [[&str; 2]; 4] = [
+    ["machine M", ""],
+    ["machine M chart C {", "}"],
+    ["machine M chart C { state S {", "} }"],
+    ["machine M plant {", "}"],
+];
+
+#[test]
+fn partial_examples_are_written_in_the_language() {
+    let mut partial = 0;
+    for name in ["docs/language.md", "docs/functions.md"] {
+        let page = std::fs::read_to_string(repository(name)).expect("the reference is there");
+        for (_, text, line) in fences(&page).iter().filter(|(words, ..)| words == "chart partial") {
+            let reads =
+                |[before, after]: [&str; 2]| !parse::parse(&format!("{before}\n{text}\n{after}")).1.has_errors();
+            assert!(AROUND.into_iter().any(reads), "{name}:{line}");
+            partial += 1;
+        }
+    }
+    assert!(partial > 20, "there are examples");
+    assert!(parse::parse("machine M chart C { from A when B to C }").1.has_errors());
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn claiming(text: &str, properties: &str) -> String {
 }
 
 fn ask(text: &str, program: Program) -> Verified {
-    let options = Options { program, open: false, choice: Choice::Automatic, limits: Limits::default() };
+    let options = Options { program, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
@@ -75,7 +75,8 @@ fn unsafe_by(text: &str, name: &str) {
 /// How soon the property is violated by the shortest run; nothing if no run of some scans does.
 fn first_violation(text: &str, name: &str) -> Option<usize> {
     let limits = Limits { scans: 40, ..Limits::default() };
-    let options = Options { program: Program::Any, open: false, choice: Choice::Only(Engine::Bounded), limits };
+    let options =
+        Options { program: Program::Any, choice: Choice::Only(Engine::Bounded), limits, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     let verified = verified.unwrap_or_else(|| panic!("{diagnostics:?}"));
     let place = verified.machine.properties.iter().position(|p| p.name == name).expect("it is declared");

@@ -10,7 +10,7 @@ const HEAD: &str = "machine M cycle 10ms inputs { A1 B1 } outputs { Out1 Out2 } 
 const CHART: &str = "chart C { initial state P { drives Out1 when A1 drives Out2 when B1 } }";
 
 /// Runs one scan for each word, the inputs that are TRUE or `-` for none: what is TRUE then of states,
-/// variables and outputs, in order of declaration.
+/// variables and outputs, in order of declaration, then what integers are that are not 0.
 #[track_caller]
 fn assert_run(rest: &str, inputs: &str, wanted: &[&str]) {
     let (machine, diagnostics) = pipeline::check(&format!("{HEAD}{rest}"));
@@ -18,10 +18,13 @@ fn assert_run(rest: &str, inputs: &str, wanted: &[&str]) {
     let mut chart = Chart::new(&machine);
     let scans = inputs.split(' ').map(|now| {
         chart.scan(&[now.contains('a'), now.contains('b')]);
+        let integers = machine.integers.iter().filter(|(id, _)| chart.integer(*id) != 0);
+        let integers = integers.map(|(id, i)| format!("{}={}", i.name, chart.integer(id)));
         let states = machine.states.iter().filter(|(id, _)| chart.is_active(*id)).map(|(_, s)| s.name.as_str());
         let variables = machine.variables.iter().filter(|(id, _)| chart.variable(*id)).map(|(_, v)| v.name.as_str());
         let outputs = machine.outputs.iter().filter(|(id, _)| chart.output(*id)).map(|(_, o)| o.name.as_str());
-        states.chain(variables).chain(outputs).collect::<Vec<_>>().join(" ")
+        let names = states.chain(variables).chain(outputs).map(str::to_owned);
+        names.chain(integers).collect::<Vec<_>>().join(" ")
     });
     assert_eq!(scans.collect::<Vec<_>>(), wanted, "{rest}");
 }
@@ -122,8 +125,52 @@ fn nobody_else_writes_what_an_observer_writes() {
 }
 
 #[test]
+fn what_an_observer_counts_is_seen_in_the_same_scan() {
+    let integers = "variables { N1 : 0..3  N2 : 0..9 }";
+    // `N1` counts scans with `A1`; the chart copies and compares what it is after that, the observer what it was.
+    let observer = "observer O { initial state N  state Y { entry set N1 := N1 + 1  internal when A1 then set N1 := N1 + 1 } \
+        from N to Y when A1  from Y to N when not A1 and N1 = 2 }";
+    let chart = "chart C { initial state P { drives Out1 when N1 = 2  internal when A1 then set N2 := N1 }  state Q \
+        from P to Q priority 1 when N1 >= 3 }";
+    assert_run(
+        &format!("{integers} {observer} {chart}"),
+        "- a a - - a a",
+        &[
+            "N P",
+            "Y P N1=1 N2=1",
+            "Y P Out1 N1=2 N2=2",
+            "N P Out1 N1=2 N2=2",
+            "N P Out1 N1=2 N2=2",
+            "Y Q N1=3 N2=2",
+            "Y Q N1=3 N2=2",
+        ],
+    );
+}
+
+#[test]
+fn counted_after_the_filter() {
+    let integers = "variables { N1 : 0..9  N2 : 0..9 }";
+    // What is assigned at the end is computed from what the beginning has left, exit before effect before entry;
+    // the filter has seen what was there before.
+    let observer = "observer O { initial state N { exit set N1 := N1 + 2, set V1 }  state Y { entry set N2 := N1 + 1 } \
+        from Y to N when true then set N1 := N1 + 1 \
+        after filter { from N to Y when rise(Out1) then set N1 := N1 + 3, reset V1 } }";
+    let safety = "safety supervisor { S1: never rise(Out1) and N1 > 5 }";
+    assert_run(
+        &format!("{integers} {observer} {CHART} {safety}"),
+        "- a - a - a",
+        &["N P", "Y P Out1 N1=3 N2=1", "N P N1=4 N2=1", "Y P Out1 N1=7 N2=5", "N P N1=8 N2=5", "N P N1=8 N2=5"],
+    );
+}
+
+#[test]
 fn what_an_observer_cannot_be() {
-    let observer = |inside: &str| format!("observer O {{ initial state N state Y {inside} }} {CHART}");
+    let observer = |inside: &str| {
+        format!(
+            "variables {{ N1 : 0..9 N2 : 0..9 }} events {{ E1 }} observer O {{ initial state N state Y {inside} }} \
+             chart C {{ initial state P {{ internal when A1 or N2 = 1 or E1 then set N1 := 1 - N1 }} }}"
+        )
+    };
     for (inside, code) in [
         ("from N to Y when in(P)", Code::ObserverReads),
         ("from N to Y when Out1", Code::WrongKind),
@@ -131,6 +178,11 @@ fn what_an_observer_cannot_be() {
         ("from Y to N when after 10ms after filter { from N to Y when A1 }", Code::NotFlat),
         ("state Z { initial state X } from Y to Z when B1 after filter { from N to Y when A1 }", Code::NotFlat),
         ("state Z { sets V1 } from N to Z when A1 from N to Y when B1", Code::ObserverActs),
+        ("from N to Y when N1 = 1", Code::ObserverReads),
+        ("from N to Y when A1 then set N2 := N1", Code::ObserverReads),
+        ("state Z { entry set N2 := 1 - N1 } from N to Z when A1 from N to Y when B1", Code::ObserverReads),
+        ("from N to Y when A1 then set N1 := 0", Code::ParallelWrites),
+        ("state Z { exit raise E1 } from N to Z when A1 from N to Y when B1", Code::ObserverActs),
         ("from N to C when A1", Code::UnknownName),
         ("from N to P when A1", Code::WrongKind),
     ] {

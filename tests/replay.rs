@@ -12,7 +12,7 @@ use chartwright::verify::machine::Subject;
 use chartwright::verify::{Choice, Limits, Property, Trace, Verdict, check};
 
 fn options(open: bool) -> Options {
-    Options { program: Program::Chart, open, choice: Choice::Automatic, limits: Limits::default() }
+    Options { open, ..Options::default() }
 }
 
 fn model(name: &str) -> String {
@@ -25,7 +25,7 @@ fn gate() -> String {
 
 /// A run that refutes the property of that name, for what is exported, with how it is named there.
 fn refuted(subject: &Subject<'_>, name: &str) -> (Trace, String) {
-    let report = check(&subject.system, &Limits::default(), Choice::Automatic, &|| false, &mut |_| {});
+    let report = check(&subject.system, None, &Limits::default(), Choice::Automatic, &|| false, &mut |_| {});
     let claims = &subject.system.claims;
     let claim = claims.iter().position(|c| c.name == name).expect("it is claimed");
     let Verdict::Violated(trace) = &report.findings[claim].verdict else { panic!("{name} holds") };

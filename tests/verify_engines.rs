@@ -7,7 +7,7 @@ use chartwright::verify::{Choice, Engine, Giver, Limits, Property, Report, Syste
 const SYSTEMS: u64 = 1_000;
 
 fn ask(system: &System, choice: Choice) -> Report {
-    check(system, &Limits::default(), choice, &|| false, &mut |_| {})
+    check(system, None, &Limits::default(), choice, &|| false, &mut |_| {})
 }
 
 /// A system all of whose latches matter to all claims.
@@ -55,6 +55,7 @@ fn proofs_and_bounded_searches_come_to_the_same_verdicts() {
         let proof = ask(&system, Choice::Only(Engine::Proof));
         let bounded = check(
             &system,
+            None,
             &Limits { scans: 20, ..Limits::default() },
             Choice::Only(Engine::Bounded),
             &|| false,
@@ -91,7 +92,7 @@ fn what_comes_sooner_or_later_is_what_going_through_all_loops_tells() {
         let exact = ask(&system, Choice::Only(Engine::Exact));
         let proof = ask(&system, Choice::Only(Engine::Proof));
         let limits = Limits { scans: 12, ..Limits::default() };
-        let bounded = check(&system, &limits, Choice::Only(Engine::Bounded), &|| false, &mut |_| {});
+        let bounded = check(&system, None, &limits, Choice::Only(Engine::Bounded), &|| false, &mut |_| {});
         for (i, claim) in system.claims.iter().enumerate() {
             let Property::Eventually { after, then } = claim.property else { panic!("it claims nothing else") };
             let expected = comes(&system, after, then);
@@ -163,19 +164,19 @@ fn a_long_way_is_found_and_a_bound_is_met() {
     assert!(matches!(report.findings[3].verdict, Verdict::Violated(_)));
 
     let few = Limits { nodes: 20, ..Limits::default() };
-    let report = check(&system, &few, Choice::Only(Engine::Exact), &|| false, &mut |_| {});
+    let report = check(&system, None, &few, Choice::Only(Engine::Exact), &|| false, &mut |_| {});
     assert!(matches!(report.findings[0].verdict, Verdict::Unknown(chartwright::verify::Limit::Nodes)));
-    let report = check(&system, &few, Choice::Automatic, &|| false, &mut |_| {});
+    let report = check(&system, None, &few, Choice::Automatic, &|| false, &mut |_| {});
     assert_eq!(report.findings[0].verdict, Verdict::Holds);
     assert_eq!(report.findings[0].engine, Engine::Proof);
     assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Nodes)));
-    let report = check(&system, &few, Choice::Only(Engine::Proof), &|| false, &mut |_| {});
+    let report = check(&system, None, &few, Choice::Only(Engine::Proof), &|| false, &mut |_| {});
     assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Kind)));
 }
 
 #[test]
 fn who_is_told_to_stop_stops() {
-    let report = check(&counter(20), &Limits::default(), Choice::Automatic, &|| true, &mut |_| {});
+    let report = check(&counter(20), None, &Limits::default(), Choice::Automatic, &|| true, &mut |_| {});
     for finding in &report.findings {
         assert_eq!(finding.verdict, Verdict::Unknown(chartwright::verify::Limit::Stopped));
     }

@@ -5,7 +5,7 @@ use crate::support::rng::Rng;
 use crate::support::systems::{comes, random_fair};
 use crate::verify_export::{ask, read_aiger};
 use chartwright::pipeline;
-use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
+use chartwright::pipeline::verify::{Options, Question, Status, Verified, verify};
 use chartwright::simulate::scenario::play;
 use chartwright::verify::aig::Lit;
 use chartwright::verify::export::{aiger, btor2, smv};
@@ -18,7 +18,7 @@ fn press() -> String {
 
 fn look(text: &str, open: bool, choice: Choice) -> Verified {
     let limits = Limits { scans: 20, ..Limits::default() };
-    let options = Options { program: Program::Chart, open, choice, limits };
+    let options = Options { open, choice, limits, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
@@ -168,7 +168,7 @@ fn aiger_and_btor2_say_the_same_of_what_comes_eventually() {
             // A run in which all of it comes again and again refutes the claim.
             file.claims.clear();
             file.claim("no such run", Property::Eventually { after: Lit::TRUE, then: Lit::FALSE });
-            let report = check(&file, &Limits::default(), Choice::Only(Engine::Exact), &|| false, &mut |_| {});
+            let report = check(&file, None, &Limits::default(), Choice::Only(Engine::Exact), &|| false, &mut |_| {});
             assert_eq!(report.findings[0].verdict == Verdict::Holds, expected, "{seed}");
         }
         let text = smv::write(&system);

@@ -130,7 +130,7 @@ fn a_run_goes_out_and_comes_back() {
     let mut runs = 0;
     for seed in 0..100 {
         let system = sayable(seed);
-        let report = check(&system, &Limits::default(), Choice::Automatic, &|| false, &mut |_| {});
+        let report = check(&system, None, &Limits::default(), Choice::Automatic, &|| false, &mut |_| {});
         for (i, finding) in report.findings.iter().enumerate() {
             let Verdict::Violated(trace) = &finding.verdict else { continue };
             let text = witness::write(i, trace);

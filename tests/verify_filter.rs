@@ -7,7 +7,6 @@ use chartwright::ir::chart::Machine;
 use chartwright::pipeline::verify::{Options, Program, Question, Status, system, verify};
 use chartwright::verify::aig::{Lit, lanes};
 use chartwright::verify::machine::Subject;
-use chartwright::verify::{Choice, Limits};
 use std::collections::HashMap;
 
 /// What the system sees in a scan, and does next.
@@ -104,7 +103,7 @@ fn what_a_chart_does_an_unknown_program_can_do() {
 
 #[test]
 fn what_holds_behind_any_program_holds_behind_the_charts() {
-    let options = |program| Options { program, open: false, choice: Choice::Automatic, limits: Limits::default() };
+    let options = |program| Options { program, ..Options::default() };
     let mut held = 0;
     for model in models::all().into_iter().filter(|m| !["indexa", "palletizer", "productis"].contains(&&*m.name)) {
         let ask =
@@ -145,7 +144,7 @@ fn a_late_observer_lets_something_happen_that_the_filter_should_prevent() {
         }
         properties { P1: never rise(PUSH) and Moving }
     "#;
-    let any = Options { program: Program::Any, open: false, choice: Choice::Automatic, limits: Limits::default() };
+    let any = Options { program: Program::Any, ..Options::default() };
     let ask = |text: &str| verify(text, &any, &|| false, &mut |_| {}).0.expect("it has no errors").answers[0].status;
     let late = text.replace(
         "after filter { from Free to Carried when rise(PUSH) and Part }",

@@ -7,10 +7,10 @@ use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified
 use chartwright::pipeline::{self};
 use chartwright::simulate::run::Program as Runs;
 use chartwright::simulate::scenario::play;
-use chartwright::verify::{Choice, Limits};
+use chartwright::verify::Limits;
 
 fn options(open: bool) -> Options {
-    Options { program: Program::Chart, open, choice: Choice::Automatic, limits: Limits::default() }
+    Options { open, ..Options::default() }
 }
 
 fn ask(text: &str, options: &Options) -> Verified {

@@ -205,7 +205,6 @@ codes! {
     LeavesInt "E342" "an integer expression is too long, or can leave the type INT",
     DecidedComparison "E343" "a comparison is TRUE, or FALSE, whatever the integers are",
     NeverInRange "E344" "what is assigned to an integer always lies outside its range",
-    ObserverCounts "E345" "an observer counts or compares",
     ObserverReads "E350" "an observer reads what the charts decide",
     ObserverActs "E351" "an observer does more than to observe",
     NotFlat "E352" "an observer with a part after the filter is more than one region of elementary states",

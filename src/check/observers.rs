@@ -1,80 +1,112 @@
-//! Observers know only what observers decide, do not count, and one that is tried again after the filter is
+//! Observers know only what observers decide, raise no events, and one that is tried again after the filter is
 //! flat.
 
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
-use crate::ir::chart::{Atom, ChartKind, Machine, Phase};
+use crate::ir::chart::{Atom, ChartKind, Deeds, Guard, IntegerId, Machine, Phase};
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
     reads(machine, found);
     events(machine, found);
     flat(machine, found);
-    counts(machine, found);
 }
 
-/// Integers are the charts' business.
-fn counts(machine: &Machine, found: &mut Diagnostics) {
-    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
-        let mut compares = false;
-        t.guard.for_each_atom(&mut |atom| compares |= matches!(atom, Atom::Compare(_)));
-        if compares || !t.deeds.assignments.is_empty() {
-            found.push(
-                Diagnostic::new(Code::ObserverCounts, "observers neither count nor compare")
-                    .label(t.span, "this transition does")
-                    .help("let a chart count what the observer tells: `in(STATE)`"),
-            );
+/// What charts of that kind do once, each with where it is written.
+fn deeds(machine: &Machine, kind: ChartKind) -> impl Iterator<Item = (&Deeds, Span)> {
+    let transitions = machine.transitions.values().filter(move |t| machine.kind(t.scope) == kind);
+    let states = machine.states.values().filter(move |s| machine.kind(s.region) == kind);
+    let states = states.flat_map(|s| [(&s.entry, s.span), (&s.exit, s.span)]);
+    transitions.map(|t| (&t.deeds, t.span)).chain(states)
+}
+
+/// For each variable and each integer, where a control chart writes it, if one does.
+struct Charts {
+    variables: Vec<Option<Span>>,
+    integers: Vec<Option<Span>>,
+}
+
+impl Charts {
+    fn of(machine: &Machine) -> Charts {
+        let mut charts =
+            Charts { variables: vec![None; machine.variables.len()], integers: vec![None; machine.integers.len()] };
+        for (deeds, _) in deeds(machine, ChartKind::Control) {
+            deeds.effects.iter().for_each(|e| charts.variables[e.variable.index()] = Some(e.span));
+            deeds.assignments.iter().for_each(|a| charts.integers[a.integer.index()] = Some(a.span));
         }
+        for action in machine.states.values().flat_map(|s| &s.actions) {
+            charts.variables[action.variable.index()] = Some(action.span);
+        }
+        charts
     }
 }
 
-/// No observer reads a variable that a control chart writes.
+/// No observer reads what a control chart writes.
 fn reads(machine: &Machine, found: &mut Diagnostics) {
-    let mut written = vec![None; machine.variables.len()];
-    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Control) {
-        t.deeds.effects.iter().for_each(|e| written[e.variable.index()] = Some(e.span));
+    let charts = Charts::of(machine);
+    let mut refuse = |what: &str, name: &str, span: Span, writer: Span| {
+        found.push(
+            Diagnostic::new(Code::ObserverReads, format!("`{name}` is {what} of a control chart"))
+                .label(span, "an observer cannot see it")
+                .label(writer, "a chart writes it here")
+                .help("let the observer follow what the chart does to the outputs: `prev(…)`"),
+        );
+    };
+    let mut integer = |i: IntegerId, span: Span| {
+        if let Some(writer) = charts.integers[i.index()] {
+            refuse("an integer", &machine.integers[i].name, span, writer);
+        }
+    };
+    for (deeds, _) in deeds(machine, ChartKind::Observer) {
+        deeds.assignments.iter().for_each(|a| a.value.for_each_value(&mut |&i| integer(i, a.span)));
     }
-    for state in machine.states.values() {
-        state.actions.iter().for_each(|a| written[a.variable.index()] = Some(a.span));
-        let once = state.entry.effects.iter().chain(&state.exit.effects);
-        once.for_each(|e| written[e.variable.index()] = Some(e.span));
-    }
-    let transitions = machine.transitions.values().map(|t| (t.scope, &t.guard, t.span));
-    let entries =
-        machine.regions.iter().flat_map(|(id, r)| r.entries.iter().map(move |(guard, _)| (id, guard, r.span)));
-    for (_, guard, span) in transitions.chain(entries).filter(|(r, ..)| machine.kind(*r) == ChartKind::Observer) {
+    for (guard, span) in guards(machine) {
         guard.for_each_atom(&mut |atom| {
-            if let Atom::Variable(v) = *atom
-                && let Some(writer) = written[v.index()]
-            {
-                let name = &machine.variables[v].name;
-                found.push(
-                    Diagnostic::new(Code::ObserverReads, format!("`{name}` is a variable of a control chart"))
-                        .label(span, "an observer cannot see it")
-                        .label(writer, "a chart writes it here")
-                        .help("let the observer follow what the chart does to the outputs: `prev(…)`"),
-                );
+            if let Atom::Compare(c) = *atom {
+                let comparison = &machine.comparisons[c];
+                comparison.left.for_each_value(&mut |&i| integer(i, span));
+                comparison.right.for_each_value(&mut |&i| integer(i, span));
             }
         });
     }
+    for (guard, span) in guards(machine) {
+        guard.for_each_atom(&mut |atom| {
+            if let Atom::Variable(v) = *atom
+                && let Some(writer) = charts.variables[v.index()]
+            {
+                refuse("a variable", &machine.variables[v].name, span, writer);
+            }
+        });
+    }
+}
+
+/// What observers read on their way, each with where it is written.
+fn guards(machine: &Machine) -> impl Iterator<Item = (&Guard, Span)> {
+    let transitions = machine.transitions.values().map(|t| (t.scope, &t.guard, t.span));
+    let entries =
+        machine.regions.iter().flat_map(|(id, r)| r.entries.iter().map(move |(guard, _)| (id, guard, r.span)));
+    let all = transitions.chain(entries);
+    all.filter(|(r, ..)| machine.kind(*r) == ChartKind::Observer).map(|(_, guard, span)| (guard, span))
 }
 
 /// Events are between charts: no observer reads or raises one.
 fn events(machine: &Machine, found: &mut Diagnostics) {
-    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
-        t.guard.for_each_atom(&mut |atom| {
+    for (guard, span) in guards(machine) {
+        guard.for_each_atom(&mut |atom| {
             if let Atom::Event(e) = *atom {
                 let text = format!("`{}` is an event: charts raise it", machine.events[e].name);
                 found.push(
                     Diagnostic::new(Code::ObserverReads, text)
-                        .label(t.span, "an observer cannot see it")
+                        .label(span, "an observer cannot see it")
                         .help("let the observer follow what the charts do to the outputs: `prev(…)`"),
                 );
             }
         });
-        if let Some(&e) = t.deeds.raises.first() {
+    }
+    for (deeds, span) in deeds(machine, ChartKind::Observer) {
+        if let Some(&e) = deeds.raises.first() {
             let text = format!("an observer does not raise events, such as `{}`", machine.events[e].name);
             found.push(
                 Diagnostic::new(Code::ObserverActs, text)
-                    .label(t.span, "raised here")
+                    .label(span, "raised here")
                     .help("let a chart ask for the observer's state by `in(STATE)` and raise the event"),
             );
         }

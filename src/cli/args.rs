@@ -1,7 +1,11 @@
 //! The words of the command line, and the help that explains them.
 
+mod verify;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+
+pub use verify::{Deny, Verify, VerifyEngine, VerifyProgram};
 
 /// Compiles the statechart of a machine into a PLC program.
 ///
@@ -349,90 +353,6 @@ Exit codes:
 pub struct Explain {
     /// The code, such as E101; capitals or not.
     pub code: Option<String>,
-}
-
-/// Says what is true of all runs of a machine.
-///
-/// Reads FILE and asks, for all inputs that its assumptions allow and everything that its plant can do
-/// at any speed: the properties that it declares; whether its outputs ever violate a constraint;
-/// whether some transition can always fire sooner or later. These are demands. For people to judge it
-/// also says which states are never active, which transitions never fire, which ones are enabled
-/// together so that only their order decides, and where the filter has to act.
-///
-/// A violated demand is shown as a run from power-up, as short as can be.
-#[derive(Args, Debug)]
-#[command(after_long_help = "\
-Examples:
-  chartwright verify door.chart
-  chartwright verify door.chart --program any           the filter alone, behind any program
-  chartwright verify door.chart --open                  without the plant: all inputs are free
-  chartwright verify door.chart --scenario found.chart  write the first counterexample as a scenario
-
-Exit codes:
-  0  all demands hold
-  1  a demand is violated; a property or constraint stays open; the model has errors, or a file cannot be
-     read or written
-  2  the command line is wrong")]
-pub struct Verify {
-    /// The model.
-    pub file: PathBuf,
-
-    /// What runs in front of the filter.
-    #[arg(long, value_enum, default_value_t = VerifyProgram::Chart)]
-    pub program: VerifyProgram,
-
-    /// Leaves the plant out: all inputs are free, under the assumptions only.
-    #[arg(long)]
-    pub open: bool,
-
-    /// Which engine answers.
-    #[arg(long, value_enum, default_value_t = VerifyEngine::Auto)]
-    pub engine: VerifyEngine,
-
-    /// After how many seconds to end.
-    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
-    pub time: u64,
-
-    /// How much memory sets of states may take, in MiB.
-    #[arg(long, value_name = "MIB", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    pub memory: u32,
-
-    /// How many scans a bounded search looks ahead.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub scans: u32,
-
-    /// Where to write the first counterexample as a value change dump.
-    #[arg(long, value_name = "VCD")]
-    pub vcd: Option<PathBuf>,
-
-    /// Where to write all counterexamples as scenarios, to be put into the model.
-    #[arg(long, value_name = "OUT")]
-    pub scenario: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub output: Output,
-}
-
-/// What runs in front of the filter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum VerifyProgram {
-    /// The charts of the model.
-    Chart,
-    /// Any: each scan any command.
-    Any,
-}
-
-/// An engine that verifies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum VerifyEngine {
-    /// Each where it is best.
-    Auto,
-    /// The exact set of reachable states.
-    Exact,
-    /// The first scans, one by one; proves nothing.
-    Bounded,
-    /// Property directed reachability.
-    Proof,
 }
 
 /// Writes a machine as a transition system for other model checkers.

@@ -1,5 +1,8 @@
 //! Paths to text, and text to files that are whole or not there.
 //!
+//! A run that is ended from outside while it writes may leave a temporary file; the next one that writes into
+//! that directory removes it.
+//!
 //! What goes wrong becomes a diagnostic with [`Code::Unreadable`].
 
 use crate::base::{Code, Diagnostic, limits};
@@ -7,9 +10,14 @@ use crate::parse;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The path that means standard output.
 const STANDARD: &str = "-";
+
+/// How long nobody has to have written a temporary file for it to be a left one. A run holds its own for no
+/// longer than it takes to write its results.
+const LEFT: Duration = Duration::from_secs(60 * 60);
 
 /// How a path is shown.
 pub fn show(path: &Path) -> String {
@@ -103,6 +111,7 @@ impl Pending {
         }
         // Through links, so that a link stays one.
         let target = place(target);
+        clear_beside(&target);
         let (temporary, mut file) = create_beside(&target).map_err(fail)?;
         let pending = Pending { target, form: Form::Renamed(Some(temporary)) };
         file.write_all(text.as_bytes())
@@ -141,11 +150,38 @@ fn discard(temporary: &Path) {
     let _ = fs::remove_file(temporary);
 }
 
+/// What names of temporary files begin with; then come the number of the process and one of the file.
+const TEMPORARY: &str = ".chartwright-";
+
+/// Whether this is the name of a temporary file.
+fn is_temporary(name: &str) -> bool {
+    let number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let numbers = name.strip_prefix(TEMPORARY).and_then(|rest| rest.strip_suffix(".tmp"));
+    numbers.and_then(|n| n.split_once('-')).is_some_and(|(process, file)| number(process) && number(file))
+}
+
+/// Removes what runs have left in the directory of `target` that were ended while they wrote. What cannot be
+/// read or removed stays: it is not what this run is for.
+fn clear_beside(target: &Path) {
+    let directory = target.with_file_name(".");
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let left = || -> io::Result<bool> {
+            let metadata = entry.metadata()?;
+            // A time in the future is no age.
+            let age = metadata.modified()?.elapsed().unwrap_or_default();
+            Ok(metadata.is_file() && age > LEFT)
+        };
+        if entry.file_name().to_str().is_some_and(is_temporary) && left().unwrap_or(false) {
+            discard(&entry.path());
+        }
+    }
+}
+
 /// A new empty file in the directory of `target`: only there a rename is atomic.
 fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     let mut attempt = 0;
     loop {
-        let name = format!(".chartwright-{}-{attempt}.tmp", std::process::id());
+        let name = format!("{TEMPORARY}{}-{attempt}.tmp", std::process::id());
         let path = target.with_file_name(name);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => attempt += 1,

@@ -8,6 +8,7 @@ mod explain;
 mod export;
 mod files;
 mod junit;
+mod needed;
 mod prove;
 mod replay;
 mod report;

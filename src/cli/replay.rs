@@ -7,7 +7,6 @@ use super::{Outcome, counterexample, finish, say, usage, verify};
 use crate::pipeline::replay::{Replayed, replay};
 use crate::pipeline::verify::{Options, words};
 use crate::simulate::vcd;
-use crate::verify::{Choice, Limits};
 use serde::Serialize;
 
 /// The JSON document's part.
@@ -42,12 +41,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let mut replayed = None;
     if let Ok([source, witness]) = <[String; 2]>::try_from(texts) {
-        let options = Options {
-            program: verify::program(args.program),
-            open: args.open,
-            choice: Choice::Automatic,
-            limits: Limits::default(),
-        };
+        let options = Options { program: verify::program(args.program), open: args.open, ..Options::default() };
         let (found, about_source, about_run) = replay(&source, &witness, args.property.as_deref(), &options);
         report.files.push(FileReport { file: files::show(&args.file), source, diagnostics: about_source });
         report.files.push(FileReport { file: files::show(&args.witness), source: witness, diagnostics: about_run });

@@ -1,11 +1,11 @@
 //! A model to what is true of all its runs.
 
-use super::args::{Format, Verify as Args, VerifyEngine, VerifyProgram};
+use super::args::{Deny, Format, Verify as Args, VerifyEngine, VerifyProgram};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, counterexample, finish, read, say, usage};
+use super::{Outcome, counterexample, finish, needed, read, say, usage};
 use crate::ir::chart::Machine;
-use crate::pipeline::verify::{self, Answer, Options, Program, Question, Status, Verified, words};
+use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified, words};
 use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
 use serde::Serialize;
@@ -50,29 +50,25 @@ struct JsonAnswer {
 
 /// Runs `chartwright verify`.
 pub fn run(args: &Args) -> Outcome {
+    let needless = |deny: &Deny| matches!(deny, Deny::Needless | Deny::All);
+    if args.deny.contains(&Deny::Needless) && !args.needed {
+        return usage("verify", "which constraints are needless is asked with `--needed` only");
+    }
+    if args.needed && !args.deny.iter().all(needless) {
+        return usage("verify", "`--needed` asks for nothing that could be denied but what is needless");
+    }
     let outs: Vec<_> = [&args.vcd, &args.scenario].into_iter().flatten().collect();
     if outs.iter().any(|out| !files::is_standard(out) && files::same(out, &args.file)) {
         return usage("verify", "writing the run would overwrite the model");
+    }
+    if args.needed {
+        return needed::run(args);
     }
     let mut report = Report::default();
     let begun = Instant::now();
     let most = Duration::from_secs(args.time);
     let stop = || begun.elapsed() > most;
-    let options = Options {
-        program: program(args.program),
-        open: args.open,
-        choice: match args.engine {
-            VerifyEngine::Auto => Choice::Automatic,
-            VerifyEngine::Exact => Choice::Only(Engine::Exact),
-            VerifyEngine::Bounded => Choice::Only(Engine::Bounded),
-            VerifyEngine::Proof => Choice::Only(Engine::Proof),
-        },
-        limits: Limits {
-            nodes: (args.memory as usize).saturating_mul(1 << 20) / NODE,
-            scans: args.scans as usize,
-            ..Limits::default()
-        },
-    };
+    let options = options(args, VerifyProgram::Chart);
     let verified =
         read(&args.file, &mut report, |source| verify::verify(source, &options, &stop, &mut |_| {})).flatten();
     let Some(verified) = verified else {
@@ -89,11 +85,48 @@ pub fn run(args: &Args) -> Outcome {
     }
     let fine = verified.answers.iter().all(|a| match a.status {
         Status::Holds => true,
-        Status::Violated => !a.question.is_demand(),
-        // Who declares a property wants to know; what all machines are asked may stay open.
-        Status::Unknown(_) => !matches!(a.question, Question::Declared(_) | Question::Violated(_)),
+        Status::Violated => !a.demand,
+        // Who declares a property or denies something wants to know; what all machines are asked may stay open.
+        Status::Unknown(_) => !a.demand || matches!(a.question, Question::Assumable | Question::Moves),
     });
     if fine && written && verified.refusal.is_none() { Outcome::Fine } else { Outcome::Wrong }
+}
+
+/// What the pipeline is told, with what runs in front of the filter if nothing is said about that.
+pub fn options(args: &Args, otherwise: VerifyProgram) -> Options {
+    Options {
+        program: program(args.program.unwrap_or(otherwise)),
+        open: args.open,
+        without: args.without.clone(),
+        deny: denied(&args.deny),
+        choice: match args.engine {
+            VerifyEngine::Auto => Choice::Automatic,
+            VerifyEngine::Exact => Choice::Only(Engine::Exact),
+            VerifyEngine::Bounded => Choice::Only(Engine::Bounded),
+            VerifyEngine::Proof => Choice::Only(Engine::Proof),
+        },
+        limits: Limits {
+            nodes: (args.memory as usize).saturating_mul(1 << 20) / NODE,
+            scans: args.scans as usize,
+            ..Limits::default()
+        },
+    }
+}
+
+/// What is not left to people to judge.
+fn denied(deny: &[Deny]) -> Vec<Kind> {
+    let kinds = |deny: &Deny| match deny {
+        Deny::Void => vec![Kind::Void],
+        Deny::Unreachable => vec![Kind::Unreachable],
+        Deny::Silent => vec![Kind::Silent],
+        Deny::Overlap => vec![Kind::Overlap],
+        Deny::Saturates => vec![Kind::Saturates],
+        Deny::Acts => vec![Kind::Acts],
+        // That is no question about the whole machine.
+        Deny::Needless => Vec::new(),
+        Deny::All => Kind::ALL.to_vec(),
+    };
+    deny.iter().flat_map(kinds).collect()
 }
 
 /// What runs in front of the filter.
@@ -106,7 +139,7 @@ pub fn program(program: VerifyProgram) -> Program {
 
 /// Whether it shows that the machine is wrong.
 fn is_counterexample(answer: &Answer) -> bool {
-    answer.question.is_demand() && answer.status == Status::Violated && answer.run.is_some()
+    answer.demand && answer.status == Status::Violated && answer.run.is_some()
 }
 
 /// Writes what was asked for: all counterexamples as scenarios, the first one as a value change dump.
@@ -130,7 +163,7 @@ fn write(args: &Args, verified: &Verified) -> Vec<FileReport> {
 fn verdict(answer: &Answer) -> &'static str {
     match answer.status {
         Status::Holds => "holds",
-        Status::Violated if answer.question.is_demand() => "violated",
+        Status::Violated if answer.demand => "violated",
         Status::Violated => "to judge",
         Status::Unknown(_) => "unknown",
     }
@@ -141,6 +174,7 @@ fn engine(engine: Engine) -> &'static str {
         Engine::Exact => "exact",
         Engine::Bounded => "bounded",
         Engine::Proof => "proof",
+        Engine::Chance => "chance",
     }
 }
 
@@ -149,7 +183,7 @@ fn result(verified: &Verified) -> Result {
         question: words(&verified.machine, a.question),
         verdict: verdict(a),
         engine: engine(a.engine),
-        demand: a.question.is_demand(),
+        demand: a.demand,
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
         scans: a.run.as_ref().map(|r| r.frames.len()),
         shortest: a.run.as_ref().map(|r| r.shortest),
@@ -157,7 +191,7 @@ fn result(verified: &Verified) -> Result {
         replayed: a.run.as_ref().and_then(|r| r.replayed),
         tree: a.run.as_ref().filter(|r| r.replayed.is_some()).and_then(|r| last(&verified.machine, r)),
         rungs: a.run.as_ref().and_then(|r| r.rungs.clone()),
-        scenario: a.run.as_ref().filter(|_| a.question.is_demand()).map(|r| r.scenario.clone()),
+        scenario: a.run.as_ref().filter(|_| a.demand).map(|r| r.scenario.clone()),
     });
     Result {
         answers: answers.collect(),

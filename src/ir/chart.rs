@@ -54,6 +54,7 @@ use super::number::Comparison;
 use super::scenario::{Plant, Property, Scenario};
 use crate::base::{Arena, Id, Span};
 
+mod paths;
 mod safety;
 
 pub use super::ast::Technology;
@@ -479,30 +480,6 @@ impl Machine {
     /// different regions of it.
     pub fn scope(&self, a: StateId, b: StateId) -> Option<RegionId> {
         self.ancestors(a).map(|s| self.states[s].region).find(|&r| self.child_in(r, b).is_some())
-    }
-
-    /// The name of a state with those of all that contains it, from the outside in, the chart left
-    /// out: `InProduction.Automatic.Preparation.V.Down`.
-    pub fn state_path(&self, state: StateId) -> String {
-        let mut parts = Vec::new();
-        for s in self.ancestors(state) {
-            parts.push(self.states[s].name.as_str());
-            parts.extend(self.regions[self.states[s].region].name.as_deref());
-        }
-        parts.reverse();
-        parts.join(".")
-    }
-
-    /// The name of a region in the same way; that of its state or chart where it has none.
-    pub fn region_path(&self, region: RegionId) -> String {
-        let r = &self.regions[region];
-        let outer = r.parent.map(|p| self.state_path(p));
-        match (outer, &r.name) {
-            (Some(outer), Some(name)) => format!("{outer}.{name}"),
-            (Some(outer), None) => outer,
-            (None, Some(name)) => name.clone(),
-            (None, None) => self.charts[r.chart].name.clone(),
-        }
     }
 
     /// Where a transition leads, as a model writes it, with whole paths.

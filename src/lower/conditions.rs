@@ -352,6 +352,7 @@ pub fn finish(context: &mut Context<'_>) -> Vec<Rung> {
     let Conditions { latches, timing, enabling, ranking, firing, entering, .. } =
         std::mem::replace(&mut context.conditions, Conditions { previous, ..Conditions::default() });
     let comparing = std::mem::take(&mut context.integers.comparing);
+    context.integers.before.clear();
     [comparing, latches, timing, enabling, ranking, firing, entering, restarts].into_iter().flatten().collect()
 }
 

@@ -158,6 +158,9 @@ impl<'m> Context<'m> {
             Atom::Done(s) if settled(self.machine, s) => self.done_by_flags(s),
             Atom::Done(s) => Expr::Atom(self.done(s)),
             Atom::After(s, ms) => Expr::Atom(self.elapsed(s, ms)),
+            Atom::Compare(c) if self.machine.kind(own) == ChartKind::Control && self.is_observed(c) => {
+                Expr::Atom(self.compared_by_observers(c))
+            }
             Atom::Compare(c) => Expr::Atom(self.compared_before(c)),
             other => self.value(other),
         })
@@ -180,6 +183,8 @@ impl<'m> Context<'m> {
             Atom::Done(s) => self.done_by_flags(s),
             Atom::Output(o) => Expr::Atom(self.outputs[o.index()]),
             Atom::PrevOutput(o) => Expr::Atom(self.decided(o)),
+            // Observers compare what they count, and that has been left alone since their step.
+            Atom::Compare(c) => Expr::Atom(self.compared_by_observers(c)),
             other => self.value(other),
         })
     }

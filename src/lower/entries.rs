@@ -6,7 +6,7 @@
 //! which the parent's flag does not show. Of all that a transition tells in one scan, at most one
 //! state of a region is meant, whatever order it is asked in.
 
-use crate::ir::chart::{Atom, Inside, Machine, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 
@@ -61,7 +61,9 @@ impl Entries {
             told: vec![false; machine.transitions.len()],
             again: BTreeMap::new(),
         };
-        for (id, t) in machine.transitions.iter().filter(|(_, t)| !t.internal) {
+        // What moves after the filter is flat, and no program of its own.
+        let moving = machine.transitions.iter().filter(|(_, t)| !t.internal && t.phase == Phase::Start);
+        for (id, t) in moving {
             let top = machine.child_in(t.scope, t.target).expect("the scope holds the target");
             let reenters = machine.child_in(t.scope, t.source) == Some(top);
             if reenters {

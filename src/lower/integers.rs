@@ -3,6 +3,10 @@
 //! A comparison that guards read is computed in `Conditions`, from integers as the scan before has left
 //! them; one that drives, actions or constraints read in `Variables`, behind all assignments.
 //!
+//! Observers count before the charts do. What they compare is computed in `Observing`; what is compared of
+//! their integers only, for whoever comes after them, in `Observed`, behind their assignments: until the
+//! filter has decided these integers do not change again.
+//!
 //! Assignments come in two halves. First each value is computed into a variable of its own: from left
 //! to right, one ADD or SUB for each operand, then LIMIT where the value may lie beyond the range. Then
 //! for each integer, by SEL, the value that belongs to what has happened, the last one last. So all values are those from
@@ -10,7 +14,8 @@
 
 use super::context::{Context, origin};
 use super::rungs::rung;
-use crate::ir::chart::{Assignment, ComparisonId, Deeds, IntegerId, Machine, StateId, TransitionId};
+use crate::ir::chart::{Assignment, ChartKind, ComparisonId, Deeds, IntegerId, Machine, Phase, StateId, TransitionId};
+use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Function, Ladder, Operand, Operator, Rung};
 use crate::ir::number::{Comparison, Number, Range, Relation};
 use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
@@ -27,8 +32,11 @@ pub struct Integers {
     /// Comparisons as the transitions leave them, with their rungs.
     after: BTreeMap<ComparisonId, GlobalId>,
     compared: Vec<Rung>,
-    /// The rungs of assignments.
-    assigning: Vec<Rung>,
+    /// Comparisons of what observers alone decide, as their transitions leave them, with their rungs.
+    observed: BTreeMap<ComparisonId, GlobalId>,
+    observing: Vec<Rung>,
+    /// For each integer, whether a control chart assigns to it.
+    controlled: Vec<bool>,
 }
 
 impl Context<'_> {
@@ -45,6 +53,30 @@ impl Context<'_> {
             });
             self.integers.globals.push(id);
         }
+        self.integers.controlled = written(self.machine, &happenings(self.machine, ChartKind::Control, Phase::Start));
+    }
+
+    /// Whether nothing changes the comparison from the step of the observers until the filter has decided.
+    pub fn is_observed(&self, comparison: ComparisonId) -> bool {
+        let Comparison { left, right, .. } = &self.machine.comparisons[comparison];
+        let mut observed = self.machine.charts.iter().any(|c| c.kind == ChartKind::Observer);
+        for side in [left, right] {
+            side.for_each_value(&mut |i| observed &= !self.integers.controlled[i.index()]);
+        }
+        observed
+    }
+
+    /// Whether the comparison holds as the step of the observers has left it.
+    pub fn compared_by_observers(&mut self, comparison: ComparisonId) -> GlobalId {
+        if let Some(&id) = self.integers.observed.get(&comparison) {
+            return id;
+        }
+        let mut rungs = std::mem::take(&mut self.integers.observing);
+        let text = self.machine.comparison(comparison);
+        let id = self.compare(&mut rungs, comparison, "Is", text);
+        self.integers.observing = rungs;
+        self.integers.observed.insert(comparison, id);
+        id
     }
 
     /// Whether the comparison held when the scan began.
@@ -62,6 +94,9 @@ impl Context<'_> {
 
     /// Whether the comparison holds as the transitions have left the integers.
     pub fn compared_after(&mut self, comparison: ComparisonId) -> GlobalId {
+        if self.is_observed(comparison) {
+            return self.compared_by_observers(comparison);
+        }
         if let Some(&id) = self.integers.after.get(&comparison) {
             return id;
         }
@@ -155,24 +190,40 @@ impl Context<'_> {
     }
 }
 
-/// The rungs that belong at the beginning of `Variables`: assignments, then comparisons of what has
-/// come of them. All that asks for comparisons has to have run.
-pub fn finish(context: &mut Context<'_>, variables: &mut Ladder) {
-    let mut rungs = std::mem::take(&mut context.integers.assigning);
-    rungs.append(&mut context.integers.compared);
-    rungs.append(&mut variables.rungs);
-    variables.rungs = rungs;
+/// Puts what is counted before what the ladder does: assignments, then comparisons of what has come of
+/// them. All that asks for comparisons has to have run.
+pub fn finish(context: &mut Context<'_>, kind: ChartKind, mut assigning: Vec<Rung>, ladder: &mut Ladder) {
+    assigning.append(match kind {
+        ChartKind::Observer => &mut context.integers.observing,
+        ChartKind::Control => &mut context.integers.compared,
+    });
+    assigning.append(&mut ladder.rungs);
+    ladder.rungs = assigning;
 }
 
-/// All assignments; called before `Conditions` is complete, since they ask who fires.
-pub fn lower(context: &mut Context<'_>) {
-    let happenings = happenings(context.machine);
-    let mut written = vec![false; context.machine.integers.len()];
-    let all = happenings.iter().flat_map(|h| &h.deeds.assignments);
-    all.for_each(|a| written[a.integer.index()] = true);
+/// All assignments in the step of charts of that kind; called before the conditions of this step are
+/// complete, since they ask who fires.
+pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Vec<Rung> {
+    let happenings = happenings(context.machine, kind, Phase::Start);
+    assign(context, happenings, None)
+}
+
+/// All assignments after the filter, by the coils that say who fires.
+pub fn after_filter(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
+    let happenings = happenings(context.machine, ChartKind::Observer, Phase::End);
+    assign(context, happenings, Some(firing))
+}
+
+/// First all values, then what each integer takes of them.
+fn assign(
+    context: &mut Context<'_>,
+    happenings: Vec<Happening<'_>>,
+    firing: Option<&[(TransitionId, GlobalId)]>,
+) -> Vec<Rung> {
+    let written = written(context.machine, &happenings);
     let (mut values, mut choices) = (Vec::new(), Vec::new());
     for happening in happenings {
-        let happens = happening.happens(context, &mut values);
+        let Some(happens) = happening.happens(context, &mut values, firing) else { continue };
         for assignment in &happening.deeds.assignments {
             let target = context.integers.globals[assignment.integer.index()];
             let value = value(context, &mut values, assignment, &written, &happening);
@@ -183,7 +234,15 @@ pub fn lower(context: &mut Context<'_>) {
         }
     }
     values.append(&mut choices);
-    context.integers.assigning = values;
+    values
+}
+
+/// For each integer, whether one of these assigns to it.
+fn written(machine: &Machine, happenings: &[Happening<'_>]) -> Vec<bool> {
+    let mut written = vec![false; machine.integers.len()];
+    let all = happenings.iter().flat_map(|h| &h.deeds.assignments);
+    all.for_each(|a| written[a.integer.index()] = true);
+    written
 }
 
 /// Something that happens once and assigns to integers.
@@ -203,15 +262,17 @@ enum Cause {
     Entered(u32, StateId),
 }
 
-fn happenings(machine: &Machine) -> Vec<Happening<'_>> {
+/// What can happen in the step of charts of that kind, or after the filter.
+fn happenings(machine: &Machine, kind: ChartKind, phase: Phase) -> Vec<Happening<'_>> {
     let mut all = Vec::new();
-    for (id, state) in machine.states.iter() {
+    for (id, state) in machine.states.iter().filter(|(_, s)| machine.kind(s.region) == kind) {
         let path = machine.state_path(id);
         let (left, entered) = (format!("when {path} is left"), format!("when {path} is entered"));
         all.push(Happening { cause: Cause::Left(std::cmp::Reverse(state.depth), id), deeds: &state.exit, what: left });
         all.push(Happening { cause: Cause::Entered(state.depth, id), deeds: &state.entry, what: entered });
     }
-    for (id, t) in machine.transitions.iter() {
+    let transitions = machine.transitions.iter().filter(|(_, t)| t.phase == phase && machine.kind(t.scope) == kind);
+    for (id, t) in transitions {
         let depth = machine.regions[t.scope].parent.map_or(0, |p| machine.states[p].depth + 1);
         let what = format!("when a transition from {} fires", machine.state_path(t.source));
         all.push(Happening { cause: Cause::Fires(depth, id), deeds: &t.deeds, what });
@@ -222,18 +283,41 @@ fn happenings(machine: &Machine) -> Vec<Happening<'_>> {
 }
 
 impl Happening<'_> {
-    /// The coil that is TRUE when it happens.
-    fn happens(&self, context: &mut Context<'_>, rungs: &mut Vec<Rung>) -> GlobalId {
-        let (word, state, condition) = match self.cause {
-            Cause::Fires(_, transition) => return context.fires(transition),
-            Cause::Left(_, state) => ("Left", state, context.left(state)),
-            Cause::Entered(_, state) => ("Come", state, context.entered_now(state)),
+    /// The coil that is TRUE when it happens; nothing if it never does. After the filter it is known who
+    /// is firing.
+    fn happens(
+        &self,
+        context: &mut Context<'_>,
+        rungs: &mut Vec<Rung>,
+        firing: Option<&[(TransitionId, GlobalId)]>,
+    ) -> Option<GlobalId> {
+        let machine = context.machine;
+        let one_of = |coils: &[(TransitionId, GlobalId)], state: &dyn Fn(TransitionId) -> StateId, wanted: StateId| {
+            let coils = coils.iter().filter(|(t, _)| state(*t) == wanted);
+            Expr::any(coils.map(|&(_, coil)| Expr::Atom(coil)).collect::<Vec<_>>())
         };
+        let (word, state, condition) = match (self.cause, firing) {
+            (Cause::Fires(_, transition), None) => return Some(context.fires(transition)),
+            (Cause::Fires(_, transition), Some(coils)) => {
+                return coils.iter().find(|(t, _)| *t == transition).map(|&(_, coil)| coil);
+            }
+            (Cause::Left(_, state), None) => ("Left", state, context.left(state)),
+            (Cause::Entered(_, state), None) => ("Come", state, context.entered_now(state)),
+            (Cause::Left(_, state), Some(coils)) => {
+                ("Left", state, one_of(coils, &|t| machine.transitions[t].source, state))
+            }
+            (Cause::Entered(_, state), Some(coils)) => {
+                ("Come", state, one_of(coils, &|t| machine.transitions[t].target, state))
+            }
+        };
+        if condition == Expr::FALSE {
+            return None;
+        }
         let name = context.names.state(word, state);
-        let place = origin(format!("state {}", context.machine.state_path(state)), context.machine.states[state].span);
+        let place = origin(format!("state {}", machine.state_path(state)), machine.states[state].span);
         let id = context.global(name, Role::Condition, self.what.clone(), place);
         rung(context, rungs, (id, CoilKind::Plain), &condition, self.what.clone());
-        id
+        Some(id)
     }
 
     /// A new name for something about it.

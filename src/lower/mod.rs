@@ -11,7 +11,7 @@
 //! | --- | --- | --- |
 //! | `Observing` | [`conditions`] | takes down the past; latches what observers read of each other |
 //! | one per region of an observer | [`regions`], [`observers`] | the observers |
-//! | `Observed` | [`variables`] | what their transitions set and reset |
+//! | `Observed` | [`integers`], [`variables`] | what they set, reset and count |
 //! | `Conditions` | [`conditions`] | latches what guards read from other programs; decides early what several programs need to know |
 //! | one per region of a chart, parents first | [`regions`] | the charts |
 //! | `Variables` | [`integers`], [`variables`] | what transitions and active states set, reset and count |
@@ -47,15 +47,17 @@ pub fn lower(machine: &Machine) -> Project {
     // The passes that follow ask for conditions; so those come first and conditions last, though these
     // run first.
     let observers = regions::lower(&mut context, ChartKind::Observer);
-    let observed = variables::lower(&mut context, ChartKind::Observer);
+    let mut observed = variables::lower(&mut context, ChartKind::Observer);
+    let counted = integers::lower(&mut context, ChartKind::Observer);
     let afterwards = observers::after_filter(&mut context);
     let before_observers = conditions::finish(&mut context);
     let charts = regions::lower(&mut context, ChartKind::Control);
     let mut variables = variables::lower(&mut context, ChartKind::Control);
-    integers::lower(&mut context);
+    let counting = integers::lower(&mut context, ChartKind::Control);
     let outputs = outputs::lower(&mut context);
     let filter = filter::lower(&mut context);
-    integers::finish(&mut context, &mut variables);
+    integers::finish(&mut context, ChartKind::Observer, counted, &mut observed);
+    integers::finish(&mut context, ChartKind::Control, counting, &mut variables);
     let mut before_charts = conditions::events(&mut context);
     before_charts.extend(conditions::finish(&mut context));
     let mut past = conditions::previous_values(&mut context);
@@ -83,7 +85,7 @@ pub fn lower(machine: &Machine) -> Project {
     let p = &mut programs;
     ladder(p, "Observing", "What observers read, as it was when the scan began", past);
     p.extend(observers);
-    ladder(p, "Observed", "What transitions of observers set and reset", observed.rungs);
+    ladder(p, "Observed", "What observers set, reset and count", observed.rungs);
     ladder(p, "Conditions", "What guards read, as it was when the scan began", before_charts);
     p.extend(charts);
     ladder(p, "Variables", "What transitions and active states set and reset", variables.rungs);

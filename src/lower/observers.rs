@@ -7,7 +7,7 @@
 
 use super::context::{Condition, Context, origin};
 use super::rungs::rung;
-use super::variables;
+use super::{integers, variables};
 use crate::ir::chart::{RegionId, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder, Rung};
@@ -46,6 +46,7 @@ pub fn after_filter(context: &mut Context<'_>) -> Ladder {
         }
         leaving.into_iter().for_each(|rivals| firing.extend(decide(context, &mut rungs, &rivals)));
     }
+    rungs.extend(integers::after_filter(context, &firing));
     rungs.extend(variables::effects(context, &firing));
     flags(context, &mut rungs, &firing);
     Ladder { rungs }
@@ -85,6 +86,9 @@ fn flags(context: &mut Context<'_>, rungs: &mut Vec<Rung>, firing: &[(Transition
     let (mut left, mut entered) = (BTreeMap::new(), BTreeMap::new());
     for &(t, fires) in firing {
         let t = &machine.transitions[t];
+        if t.internal {
+            continue;
+        }
         left.entry(t.source).or_insert_with(Vec::new).push(Expr::Atom(fires));
         entered.entry(t.target).or_insert_with(Vec::new).push(Expr::Atom(fires));
     }

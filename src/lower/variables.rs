@@ -107,17 +107,27 @@ fn history(context: &mut Context<'_>, rungs: &mut Vec<Rung>) {
         rung(context, rungs, (id, CoilKind::Plain), &condition, format!("{path} is where its region is or was last"));
     }
 }
-/// What transitions write, each with the coil that says that it fires.
+
+/// What flat observers write when these transitions fire, each with the coil that says so: what their
+/// sources do when they are left, they themselves, what their targets do when they are entered.
 pub fn effects(context: &mut Context<'_>, firing: &[(TransitionId, GlobalId)]) -> Vec<Rung> {
     let machine = context.machine;
     let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
     for &(t, fires) in firing {
-        for effect in &machine.transitions[t].deeds.effects {
-            let condition = Expr::Atom(fires);
-            writes[effect.variable.index()].push(Write { step: Step::Fired, value: effect.value, condition });
+        let t = &machine.transitions[t];
+        let (source, target) = (&machine.states[t.source], &machine.states[t.target]);
+        for (step, deeds) in [
+            (Step::Left(std::cmp::Reverse(source.depth)), &source.exit),
+            (Step::Fired, &t.deeds),
+            (Step::Entered(target.depth), &target.entry),
+        ] {
+            for effect in &deeds.effects {
+                let condition = Expr::Atom(fires);
+                writes[effect.variable.index()].push(Write { step, value: effect.value, condition });
+            }
         }
     }
-    writes.iter_mut().for_each(|list| list.sort_by_key(|write| !write.value));
+    writes.iter_mut().for_each(|list| list.sort_by_key(|write| (write.step, !write.value)));
     once(context, writes)
 }
 

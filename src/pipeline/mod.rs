@@ -1,8 +1,10 @@
 //! The one place that knows the order of the stages.
 
+pub mod needed;
 pub mod replay;
 mod rungs;
 pub mod verify;
+pub mod without;
 
 use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity};
 use crate::constraints::Analysis;
@@ -19,17 +21,7 @@ pub use crate::prove::Statistics;
 
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
-    let (tree, mut diagnostics) = parse::parse(source);
-    let Some(mut tree) = tree else { return (None, diagnostics) };
-    diagnostics.append(derive::expand(&mut tree));
-    let (mut machine, found) = resolve::resolve(&tree);
-    diagnostics.append(found);
-    if !diagnostics.has_errors() {
-        diagnostics.append(check::check(&mut machine));
-    }
-    diagnostics.sort();
-    let machine = (!diagnostics.has_errors()).then_some(machine);
-    (machine, diagnostics)
+    without::check(source, &[])
 }
 
 /// Text to what is to be known about its constraints. Where these contradict each other, or one does not say

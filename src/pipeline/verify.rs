@@ -1,21 +1,22 @@
 //! A machine to answers about all its runs, each with the run that shows it.
 
-use super::{check, rungs};
+use super::{rungs, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::{Atom, InputId, Machine, OutputId};
+use crate::ir::number::Range;
 use crate::ir::scenario::{Condition, Doing, Given, PropertyKind, Scenario, Seen, Step};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
 use crate::verify::aig::lanes;
-use crate::verify::engine::{self, Choice, Engine, Progress};
+use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::system::Trace;
 use crate::verify::{Limit, Limits, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-pub use crate::verify::machine::questions::{Question, transition};
+pub use crate::verify::machine::questions::{Kind, Question, transition};
 pub use crate::verify::machine::{Program, Refusal};
 
 /// What [`verify`] is told.
@@ -25,10 +26,34 @@ pub struct Options {
     pub program: Program,
     /// Whether the plant is left out, and all inputs are free.
     pub open: bool,
+    /// The names of constraints without which the model is verified, as if they had not been written.
+    pub without: Vec<String>,
+    /// What is not left to people to judge: it makes the machine wrong.
+    pub deny: Vec<Kind>,
     /// Which engines may be used.
     pub choice: Choice,
     /// What they may spend.
     pub limits: Limits,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            program: Program::Chart,
+            open: false,
+            without: Vec::new(),
+            deny: Vec::new(),
+            choice: Choice::Automatic,
+            limits: Limits::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Whether the machine is wrong if the answer is no.
+    pub fn demands(&self, question: Question) -> bool {
+        question.kind().is_none_or(|kind| self.deny.contains(&kind))
+    }
 }
 
 /// What is true of a machine.
@@ -55,6 +80,8 @@ pub struct Verified {
 pub struct Answer {
     /// The question.
     pub question: Question,
+    /// Whether the machine is wrong if it is violated; else that is for people to judge.
+    pub demand: bool,
     /// What is so.
     pub status: Status,
     /// Who says so.
@@ -100,7 +127,7 @@ pub fn verify(
     stop: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(Progress),
 ) -> (Option<Verified>, Diagnostics) {
-    let (machine, diagnostics) = check(source);
+    let (machine, diagnostics) = without::check(source, &options.without);
     let Some(machine) = machine else { return (None, diagnostics) };
     let mut verified =
         Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, states: None, scans: None };
@@ -111,7 +138,17 @@ pub fn verify(
             return (Some(verified), diagnostics);
         }
     };
-    let report = engine::check(&subject.system, &options.limits, options.choice, stop, progress);
+    // What holds behind any program holds behind the charts.
+    let any = match options.program {
+        Program::Chart => Subject::new(&verified.machine, Program::Any, options.open).ok(),
+        Program::Any => None,
+    };
+    let coarser = any.as_ref().map(|any| {
+        let there = |q: &Question| any.questions.iter().position(|asked| asked == q);
+        let claims = subject.questions.iter().map(there).collect();
+        Coarser { system: &any.system, claims }
+    });
+    let report = engine::check(&subject.system, coarser.as_ref(), &options.limits, options.choice, stop, progress);
     let mut answers = Vec::new();
     for (&question, finding) in subject.questions.iter().zip(report.findings) {
         let hopes = question.hopes_for_a_run(subject.machine);
@@ -123,7 +160,8 @@ pub fn verify(
                 (status, Some(show(&subject, question, &trace, options)))
             }
         };
-        answers.push(Answer { question, status, engine: finding.engine, run });
+        let demand = options.demands(question);
+        answers.push(Answer { question, demand, status, engine: finding.engine, run });
     }
     verified.latches = subject.system.latches.len();
     verified.inputs = subject.system.inputs.len();
@@ -141,10 +179,7 @@ pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject
 /// What a question asks, in words.
 pub fn words(machine: &Machine, question: Question) -> String {
     match question {
-        Question::Declared(i) => {
-            let p = &machine.properties[i];
-            format!("{}: {}", p.name, says(machine, i))
-        }
+        Question::Declared(i) => property(machine, i),
         Question::Arises(i) => {
             format!("{}: what it speaks of happens in a fair run", machine.properties[i].name)
         }
@@ -159,8 +194,18 @@ pub fn words(machine: &Machine, question: Question) -> String {
         Question::Together(a, b) => {
             format!("{} and {} are never enabled together", transition(machine, a), transition(machine, b))
         }
+        Question::Beyond(i) => {
+            let integer = &machine.integers[i];
+            let Range { lowest, highest } = integer.range;
+            format!("{}: nothing beyond {lowest}..{highest} is assigned to it", integer.name)
+        }
         Question::Acts(c) => format!("{}: the filter never has to act", machine.safety.constraints[c].name),
     }
+}
+
+/// A property by its name, and what it says.
+pub fn property(machine: &Machine, property: usize) -> String {
+    format!("{}: {}", machine.properties[property].name, says(machine, property))
 }
 
 /// What a property says, in the words of the language.
@@ -188,7 +233,7 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
     // What people look at is worth the time to make it calm.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
-    let calm = question.is_demand().then(|| subject.system.calm(trace, property));
+    let calm = options.demands(question).then(|| subject.system.calm(trace, property));
     let trace = calm.as_ref().unwrap_or(trace);
     let repeats = subject.system.repeats(trace, property);
     let scans = trace.inputs.len();
@@ -202,7 +247,11 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
     let machine = subject.machine;
     let gives = if options.open { vec![true; machine.inputs.len()] } else { machine.plant.gives(machine.inputs.len()) };
     let steps = steps(machine, &gives, &frames);
-    let name = format!("found by verification: {}", words(machine, question));
+    let without = match options.without.as_slice() {
+        [] => String::new(),
+        names => format!(" without {}", names.join(", ")),
+    };
+    let name = format!("found by verification{without}: {}", words(machine, question));
     let watch = match question {
         Question::Declared(i) => match machine.properties[i].kind {
             PropertyKind::Never => format!("  never {}\n", condition(machine, i)),
@@ -211,6 +260,7 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
                 String::new()
             }
         },
+        Question::Acts(c) => format!("  never acts({})\n", machine.safety.constraints[c].name),
         _ => String::new(),
     };
     let mut scenario = format!("scenario {} {{\n{watch}", quoted(&name));

@@ -13,6 +13,7 @@
 //! last one is a literal that is given for each scan, so that all courses of time are covered, those of
 //! a late scan included.
 
+mod counting;
 mod histories;
 mod reading;
 mod unknown;
@@ -20,11 +21,10 @@ mod unknown;
 use super::chart_filter;
 use super::chart_numbers as numbers;
 use crate::bits::aig::{Aig, Lit};
-use crate::bits::vector::{self, Vector};
+use crate::bits::vector::Vector;
 use crate::ir::chart::{
     Atom, ChartKind, Deeds, Inside, Machine, Phase, ScanNumber, StateId, StateKind, TransitionId, VariableId,
 };
-use crate::ir::number::Range;
 use std::collections::{BTreeMap, HashMap};
 
 use reading::Reading;
@@ -93,6 +93,8 @@ pub struct ChartScan {
     pub acted: Vec<Lit>,
     /// For each assumption, whether the plant breaks it.
     pub broken: Vec<Lit>,
+    /// For each integer, whether a value beyond its range is assigned, and so becomes the bound.
+    pub beyond: Vec<Lit>,
     /// For each timer, whether this is the first scan that began in its state.
     pub begins: Vec<Lit>,
     /// What constraints read, outputs of this scan apart, as it is when the filter runs.
@@ -230,10 +232,15 @@ impl<'m> ChartStep<'m> {
         let moves = self.configuration(aig, &given.with(now), fires, start);
         let (variables, raised) = self.happen(aig, &now.variables, fires, &moves);
         now.variables = variables;
-        now.integers = self.count(aig, &now.integers, fires, &moves);
+        let (integers, beyond) = self.count(aig, &now.integers, fires, &moves);
+        now.integers = integers;
         now.active = moves.active;
-        let gathered =
-            [(&mut now.entered, &moves.entered[..]), (&mut now.fires, fires), (&mut now.raised, &raised[..])];
+        let gathered = [
+            (&mut now.entered, &moves.entered[..]),
+            (&mut now.fires, fires),
+            (&mut now.raised, &raised[..]),
+            (&mut now.beyond, &beyond[..]),
+        ];
         for (all, one) in gathered {
             all.iter_mut().zip(one).for_each(|(all, &one)| *all = aig.or(*all, one));
         }
@@ -410,29 +417,6 @@ impl<'m> ChartStep<'m> {
             .collect()
     }
 
-    /// What becomes of integers likewise: each value is that of the integers from before the step, kept within
-    /// the range.
-    fn count(&self, aig: &mut Aig, before: &[Vector], fires: &[Lit], moves: &Moves) -> Vec<Vector> {
-        let mut after = before.to_vec();
-        if before.is_empty() {
-            return after;
-        }
-        for (happens, deeds) in self.deeds(fires, moves).into_values().flatten() {
-            for assignment in &deeds.assignments {
-                let Range { lowest, highest } = self.machine.integers[assignment.integer].range;
-                let (lowest, highest) = (vector::constant(lowest), vector::constant(highest));
-                let value = numbers::number(aig, &assignment.value, before);
-                let (low, high) = (vector::less(aig, &value, &lowest), vector::less(aig, &highest, &value));
-                let kept = vector::select(aig, low, &lowest, &value);
-                let kept = vector::select(aig, high, &highest, &kept);
-                let after = &mut after[assignment.integer.index()];
-                let kept = vector::fit(&kept, after.len());
-                *after = vector::select(aig, happens, &kept, after);
-            }
-        }
-        after
-    }
-
     /// Everything after the charts' steps.
     fn rest(&self, aig: &mut Aig, given: Given<'_>, mut now: Now) -> ChartScan {
         let m = self.machine;
@@ -474,7 +458,7 @@ impl<'m> ChartStep<'m> {
         let decided = Given { outputs: Some(&filtered.outputs), ..given };
         self.step(aig, decided, &mut now, ChartKind::Observer, Phase::End);
 
-        let Now { active, variables, integers, entered, fires, enabled, raised } = now;
+        let Now { active, variables, integers, entered, fires, enabled, raised, beyond } = now;
         let last = self.last(aig, given.before, &active);
         let (mut fresh, mut past, mut begins) = (Vec::new(), Vec::new(), Vec::new());
         for ((s, _), &i) in &self.timers {
@@ -497,7 +481,8 @@ impl<'m> ChartStep<'m> {
             integers,
         };
         let events = given.before.raised.clone();
-        ChartScan { after, events, fires, enabled, commands, acted: filtered.acted, broken, begins, readings }
+        let acted = filtered.acted;
+        ChartScan { after, events, fires, enabled, commands, acted, broken, beyond, begins, readings }
     }
 }
 
@@ -512,6 +497,8 @@ struct Now {
     enabled: Vec<Lit>,
     /// For each event, whether it has been raised.
     raised: Vec<Lit>,
+    /// For each integer, whether a value beyond its range has been assigned.
+    beyond: Vec<Lit>,
 }
 
 impl Now {
@@ -524,6 +511,7 @@ impl Now {
             fires: vec![Lit::FALSE; machine.transitions.len()],
             enabled: vec![Lit::FALSE; machine.transitions.len()],
             raised: vec![Lit::FALSE; machine.events.len()],
+            beyond: vec![Lit::FALSE; machine.integers.len()],
         }
     }
 }

@@ -32,6 +32,8 @@ pub struct Joint {
     pub inputs: usize,
     /// How many of the memory leaves say which states are active; they come first.
     pub states: usize,
+    /// For each transition, the number of its source.
+    pub sources: Vec<usize>,
     /// The cycle time.
     pub cycle: Time,
     /// The times of the chart's timers and then of the program's.
@@ -53,7 +55,7 @@ pub struct Half {
     /// Whether some part differs.
     pub differs: Lit,
     /// For each timer, whether it starts in this scan.
-    begins: Vec<Lit>,
+    pub begins: Vec<Lit>,
 }
 
 impl Joint {
@@ -133,6 +135,7 @@ impl Joint {
             memory,
             inputs: machine.inputs.len(),
             states: machine.states.len(),
+            sources: machine.transitions.values().map(|t| t.source.index()).collect(),
             cycle: Time::from(machine.cycle) * 1000,
             times,
         }

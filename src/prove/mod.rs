@@ -10,7 +10,7 @@
 //! | [`induction`] | first scan and any later scan, claim by claim |
 //! | [`guard`] | what the program's filter lets through, whatever is commanded |
 //! | [`lemmas`] | what a chart can never reach, where the induction asks for it |
-//! | [`joint`], [`search`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
+//! | [`joint`], [`search`], [`ahead`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`wiring`] | addresses and the time between two scans |
 //! | [`trace`] | the run that shows it, as a table |
 //! | [`mod@equivalence`] | all of it, in order |
@@ -18,6 +18,7 @@
 //! Nothing here knows of the passes that made the program or of the writer that wrote it: [`lower`](crate::lower)
 //! and [`emit`](crate::emit) are what is on trial.
 
+pub mod ahead;
 pub mod chart_filter;
 pub mod chart_numbers;
 pub mod chart_step;

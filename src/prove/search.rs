@@ -5,11 +5,16 @@
 //! been seen. A solver helps in two ways: from memories in the pool it looks for inputs that show a
 //! difference within a few scans, and where a transition has not fired yet for inputs that make it fire.
 //!
+//! Chance does not get far along a sequence that every other button takes back to its beginning. So at last the
+//! solver leads from one transition that has not fired to the next, each from memories in which its source is active,
+//! and then looks for a difference from memories that show all states.
+//!
 //! Finding nothing proves nothing. What is counted is work and not time, so that every run ends alike.
 
+use super::ahead::ahead;
 use super::joint::{Joint, Memory, Run, Stimulus};
 use super::shorten::shorten;
-use crate::bits::aig::{Aig, Lit};
+use crate::bits::aig::Lit;
 use crate::bits::random::Random;
 use crate::bits::sat::{Answer, Budget, Model, Sat};
 use crate::ir::iec::Time;
@@ -28,17 +33,25 @@ pub struct Effort {
     pub asked_ahead: usize,
     /// How many scans ahead it looks from there.
     pub ahead: usize,
+    /// Attempts to make some transition fire that has not fired yet.
+    pub led: usize,
 }
 
 impl Effort {
     /// Finds what shows up soon: some tenths of a second for a machine of some hundred states.
-    pub const FIRST: Effort = Effort { runs: 120, scans: 16, asked: 240, asked_ahead: 0, ahead: 1 };
+    pub const FIRST: Effort = Effort { runs: 120, scans: 16, asked: 240, asked_ahead: 0, ahead: 1, led: 0 };
     /// Some seconds.
-    pub const USUAL: Effort = Effort { runs: 600, scans: 24, asked: 600, asked_ahead: 24, ahead: 4 };
+    pub const USUAL: Effort = Effort { runs: 600, scans: 24, asked: 600, asked_ahead: 24, ahead: 4, led: 12_000 };
 }
 
 /// Most memories that are kept; a machine may have more configurations than atoms.
 const POOL: usize = 4_000;
+
+/// Most memories that are kept for each state which is active in them.
+const PLACES: usize = 6;
+
+/// How many scans ahead a solver leads.
+const LED: [usize; 2] = [2, 5];
 
 /// How a memory has been reached.
 struct Reached {
@@ -54,6 +67,8 @@ struct Search<'a> {
     random: Random,
     pool: Vec<Reached>,
     configurations: HashSet<Vec<bool>>,
+    /// For each state, entries of the pool in which it is active.
+    places: Vec<Vec<usize>>,
     fired: Vec<bool>,
     /// A pause after which every time has passed.
     long: Time,
@@ -67,11 +82,12 @@ pub fn search(joint: &Joint, sat: &mut Sat, effort: Effort) -> Option<Vec<Stimul
         random: Random::new(3),
         pool: Vec::new(),
         configurations: HashSet::new(),
+        places: vec![Vec::new(); joint.states],
         fired: vec![false; joint.half(false).fires.len()],
         long: joint.times.iter().copied().max().unwrap_or(0).max(joint.cycle),
         sat,
     };
-    let found = search.first().or_else(|| search.explore(effort))?;
+    let found = search.first().or_else(|| search.explore(effort)).or_else(|| search.lead(effort))?;
     Some(shorten(joint, found))
 }
 
@@ -115,8 +131,10 @@ impl Search<'_> {
                 }
                 asked += 1;
             }
-            if run % 4 == 3 {
-                self.fire_more();
+            if run % 4 == 3
+                && let Some(found) = self.fire_more()
+            {
+                return Some(found);
             }
         }
         for ahead in 2..=effort.ahead {
@@ -189,10 +207,18 @@ impl Search<'_> {
     }
 
     fn keep(&mut self, memory: Memory, from: Option<usize>, by: Vec<Stimulus>) {
-        self.configurations.insert(memory.bits[..self.joint.states].to_vec());
-        if self.pool.len() < POOL {
+        let active = memory.bits[..self.joint.states].to_vec();
+        let entry = self.pool.len();
+        let unseen = active.iter().zip(&self.places).any(|(&active, places)| active && places.is_empty());
+        if entry < POOL || unseen {
+            for (places, _) in self.places.iter_mut().zip(&active).filter(|(_, active)| **active) {
+                if places.len() < PLACES {
+                    places.push(entry);
+                }
+            }
             self.pool.push(Reached { memory, from, by });
         }
+        self.configurations.insert(active);
     }
 
     /// From power-up to an entry of the pool.
@@ -203,17 +229,14 @@ impl Search<'_> {
         parts.into_iter().flatten().cloned().collect()
     }
 
-    /// Looks for a difference at the end of `ahead` scans from an entry of the pool.
+    /// Looks for a difference within `ahead` scans from an entry of the pool.
     fn ask(&mut self, entry: usize, ahead: usize) -> Option<Vec<Stimulus>> {
         let differs = self.joint.half(false).differs;
         for pause in self.pauses() {
             if let Some(by) = self.solve(entry, ahead, pause, differs) {
                 let mut stimuli = self.path(entry);
                 stimuli.extend(by);
-                // Where timers start again on the way, the solver was not told the whole truth.
-                if self.joint.first_difference(&stimuli).is_some() {
-                    return Some(stimuli);
-                }
+                return Some(stimuli);
             }
         }
         None
@@ -224,7 +247,7 @@ impl Search<'_> {
     }
 
     /// Makes transitions fire that have not fired yet.
-    fn fire_more(&mut self) {
+    fn fire_more(&mut self) -> Option<Vec<Stimulus>> {
         let fires = &self.joint.half(false).fires;
         let mut patience = 8;
         for (t, &goal) in fires.iter().enumerate() {
@@ -232,53 +255,90 @@ impl Search<'_> {
                 continue;
             }
             if patience == 0 {
-                return;
+                return None;
             }
             patience -= 1;
             for k in 0..6 {
                 let count = self.pool.len();
-                let entry = if k < 3 { count - 1 - self.random.below(count.min(16)) } else { self.random.below(count) };
-                let ways = (1..=2).flat_map(|ahead| self.pauses().into_iter().map(move |pause| (ahead, pause)));
-                let ways: Vec<(usize, Time)> = ways.collect();
-                let Some(by) = ways.into_iter().find_map(|(ahead, pause)| self.solve(entry, ahead, pause, goal)) else {
-                    continue;
+                let places = &self.places[self.joint.sources[t]];
+                let entry = if k < 3 || places.is_empty() {
+                    count - 1 - self.random.below(count.min(16))
+                } else {
+                    places[self.random.below(places.len())]
                 };
-                let mut run = Run::from(self.joint, &self.pool[entry].memory);
-                for s in &by {
-                    let words: Vec<u64> = s.inputs.iter().map(|&b| u64::from(b)).collect();
-                    run.scan(&words, s.pause);
+                let mut pauses = self.pauses().into_iter();
+                let Some(by) = pauses.find_map(|pause| self.solve(entry, 2, pause, goal)) else { continue };
+                if let Some(found) = self.follow(entry, by) {
+                    return Some(found);
                 }
-                self.fired[t] = run.word(goal) & 1 == 1;
-                self.keep(run.memory(0), Some(entry), by);
                 break;
             }
         }
+        None
     }
 
-    /// Stimuli for `ahead` scans from an entry of the pool, each after the same pause, in the last of
-    /// which `goal` is TRUE.
-    fn solve(&mut self, entry: usize, ahead: usize, pause: Time, goal: Lit) -> Option<Vec<Stimulus>> {
-        let Memory { bits, started, now } = &self.pool[entry].memory;
-        let next = &self.joint.half(false).next;
-        let mut aig = Aig::new();
-        let mut memory: Vec<Lit> = bits.iter().map(|&b| Lit::of(b)).collect();
-        for scan in 1..=ahead {
-            let inputs: Vec<Lit> = (0..self.joint.inputs).map(|i| aig.leaf(format!("{scan}.{i}"))).collect();
-            let at = now + pause * scan as Time;
-            let passed: Vec<Lit> =
-                started.iter().zip(&self.joint.times).map(|(start, time)| Lit::of(at >= start + time)).collect();
-            if scan < ahead {
-                memory = self.joint.copy(&mut aig, &memory, &inputs, &passed, next);
-                continue;
+    /// Goes on from an entry of the pool and keeps what is reached where a transition fires for the first time.
+    fn follow(&mut self, entry: usize, by: Vec<Stimulus>) -> Option<Vec<Stimulus>> {
+        let mut run = Run::from(self.joint, &self.pool[entry].memory);
+        for (scan, s) in by.iter().enumerate() {
+            let words: Vec<u64> = s.inputs.iter().map(|&b| u64::from(b)).collect();
+            run.scan(&words, s.pause);
+            if run.word(run.half().differs) & 1 == 1 {
+                let mut stimuli = self.path(entry);
+                stimuli.extend_from_slice(&by[..=scan]);
+                return Some(stimuli);
             }
-            let goal = self.joint.copy(&mut aig, &memory, &inputs, &passed, &[goal])[0];
-            self.sat.forget();
-            return match self.sat.ask(&aig, &[goal], Budget::ATTEMPT) {
-                Answer::Sometimes(model) => Some((0..ahead).map(|s| self.stimulus(&model, s, pause)).collect()),
-                Answer::Never | Answer::GaveUp => None,
-            };
+            let mut news = false;
+            for (fired, &l) in self.fired.iter_mut().zip(&run.half().fires) {
+                news |= !*fired && run.word(l) & 1 == 1;
+                *fired |= run.word(l) & 1 == 1;
+            }
+            if news {
+                self.keep(run.memory(0), Some(entry), by[..=scan].to_vec());
+            }
         }
         None
+    }
+
+    /// Leads along transitions that have not fired yet, then looks for a difference wherever it has come.
+    fn lead(&mut self, effort: Effort) -> Option<Vec<Stimulus>> {
+        let mut left = effort.led;
+        let mut tried = HashSet::new();
+        let mut goes_on = true;
+        while std::mem::take(&mut goes_on) {
+            for t in 0..self.fired.len() {
+                let goal = self.joint.half(false).fires[t];
+                for (entry, scans) in self.ways(self.joint.sources[t]) {
+                    if self.fired[t] || goal == Lit::FALSE || left == 0 || !tried.insert((t, entry, scans)) {
+                        continue;
+                    }
+                    left -= 1;
+                    let mut pauses = self.pauses().into_iter();
+                    if let Some(by) = pauses.find_map(|pause| self.solve(entry, scans, pause, goal)) {
+                        goes_on = true;
+                        if let Some(found) = self.follow(entry, by) {
+                            return Some(found);
+                        }
+                    }
+                }
+            }
+        }
+        // Who was led far is asked first.
+        let mut asked = HashSet::new();
+        let states = 0..if effort.led > 0 { self.joint.states } else { 0 };
+        let mut ways: Vec<(usize, usize)> = states.flat_map(|s| self.ways(s)).collect();
+        ways.sort_by_key(|&(entry, scans)| (scans, std::cmp::Reverse(entry)));
+        ways.into_iter().filter(|way| asked.insert(*way)).find_map(|(entry, scans)| self.ask(entry, scans))
+    }
+
+    /// From where, and how far, a solver looks for what begins in a state.
+    fn ways(&self, state: usize) -> Vec<(usize, usize)> {
+        LED.into_iter().flat_map(|scans| self.places[state].iter().map(move |&entry| (entry, scans))).collect()
+    }
+
+    /// Stimuli for `scans` scans from an entry of the pool, each after the same pause, in one of which `goal` is TRUE.
+    fn solve(&mut self, entry: usize, scans: usize, pause: Time, goal: Lit) -> Option<Vec<Stimulus>> {
+        ahead(self.joint, &self.pool[entry].memory, &vec![pause; scans], goal, self.sat)
     }
 
     /// A scan in a model of scans one after the other.

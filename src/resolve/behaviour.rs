@@ -11,10 +11,14 @@ pub fn resolve(r: &mut Resolver, bodies: &[ResolvedBody<'_>]) {
     technology(r);
     for body in bodies {
         let Some(state) = body.state else { continue };
-        let context = Context::Active { region: body.region };
-        if r.machine.observes(state) && body.body.does_something() {
-            let span = r.machine.states[state].span;
-            r.observes_only(span, "this state does something");
+        let context = Context::Active { braces: body.braces() };
+        if r.machine.observes(state) {
+            let drives = body.body.drives.first().map(|d| (d.output.span, "this state drives an output"));
+            let acts = body.body.actions.first();
+            let acts = acts.map(|a| (a.variable.span, "this state acts in each scan in which it is active"));
+            for (span, what) in drives.into_iter().chain(acts) {
+                r.observes_only(span, what);
+            }
         }
         for written in &body.body.drives {
             let condition = condition(r, &written.condition, &context);

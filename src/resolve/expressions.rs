@@ -1,6 +1,6 @@
 //! Written conditions to guards: what may be read where.
 
-use super::names::{Symbol, kind};
+use super::names::{Braces, Symbol, kind};
 use super::{LONGEST_TIME, Resolver};
 use crate::base::{Code, Diagnostic, Span};
 use crate::ir::ast::{self, PathRef, Term};
@@ -15,7 +15,7 @@ pub enum Context {
     /// `when …` of a transition: all but outputs of this scan, and these too after the filter.
     Guard {
         /// Where names of states are looked up first.
-        region: chart::RegionId,
+        braces: Braces,
         /// What `done` alone means.
         source: chart::StateId,
         /// When it is read.
@@ -24,7 +24,7 @@ pub enum Context {
     /// `when …` of a drive or action of an active state.
     Active {
         /// Where names of states are looked up first.
-        region: chart::RegionId,
+        braces: Braces,
     },
     /// `never …`: all but states of control charts.
     Constraint,
@@ -217,22 +217,10 @@ impl Resolver {
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
     }
 
-    /// Whether the path can only mean a state of an observer.
-    fn observed(&self, path: &PathRef) -> bool {
-        let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
-        if let (Some(first), [_, _, ..]) = (self.chart(parts[0].0), &parts[..]) {
-            return self.machine.kind(first) == chart::ChartKind::Observer;
-        }
-        let found = self.anywhere(&parts);
-        !found.is_empty() && found.iter().all(|&s| self.machine.observes(s))
-    }
-
     fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
-        let region = match context {
-            Context::Guard { region, .. } | Context::Active { region } => Some(*region),
-            // What an observer has rebuilt is a fact like an input.
-            Context::Constraint | Context::Assumption if self.observed(path) => None,
-            Context::Expectation => self.outermost(&path.parts[0].0),
+        let braces = match context {
+            Context::Guard { braces, .. } | Context::Active { braces } => Some(*braces),
+            Context::Constraint | Context::Assumption | Context::Expectation => self.outermost(&path.parts[0].0),
             Context::Plant => {
                 self.plant_reads(path.span(), "the active states are what the program knows");
                 return Expr::FALSE;
@@ -246,17 +234,20 @@ impl Resolver {
                 );
                 return Expr::FALSE;
             }
-            Context::Constraint | Context::Assumption => return self.knows_no_states(path, context),
         };
         let parts: Vec<(&str, Span)> = path.parts.iter().map(|(t, s)| (t.as_str(), *s)).collect();
         let found = match (self.chart(parts[0].0), &parts[1..]) {
             // The name of a chart may stand before the path.
             (Some(first), rest @ [_, ..]) => self.state_of_chart(&parts[0], rest, first),
-            _ => self.state(&parts, region),
+            _ => self.state(&parts, braces),
         };
         let Some(state) = found else { return Expr::FALSE };
-        if let Context::Guard { region, .. } | Context::Active { region } = context
-            && self.machine.kind(*region) == chart::ChartKind::Observer
+        // What an observer has rebuilt is a fact like an input.
+        if matches!(context, Context::Constraint | Context::Assumption) && !self.machine.observes(state) {
+            return self.knows_no_states(path, context);
+        }
+        if let Context::Guard { braces, .. } | Context::Active { braces } = context
+            && self.machine.kind(self.around(*braces)) == chart::ChartKind::Observer
             && !self.machine.observes(state)
         {
             let name = self.machine.state_path(state);

@@ -38,7 +38,7 @@ mod transitions;
 use crate::base::{Code, Diagnostic, Diagnostics, Id};
 use crate::ir::number::Comparison;
 use crate::ir::{ast, chart};
-use names::Names;
+use names::{Braces, Names};
 use std::collections::HashMap;
 
 /// Resolves a tree, in which constraints have been derived. The machine is whole only if there is no error
@@ -89,7 +89,7 @@ struct Resolver {
 /// The braces of a region or state, kept beside what they became, for the steps after the states.
 struct ResolvedBody<'a> {
     body: &'a ast::Body,
-    /// The region in which its transitions are written and its names are looked up first.
+    /// The region in which its transitions are written.
     region: Id<chart::Region>,
     /// Whether `region` is what the braces hold, so that `any` means its states.
     owns_region: bool,
@@ -99,6 +99,16 @@ struct ResolvedBody<'a> {
     phase: chart::Phase,
     /// The movements written here, by index of their transition.
     movements: Vec<(usize, Id<chart::State>)>,
+}
+
+impl ResolvedBody<'_> {
+    /// Where names of states in it are looked up first.
+    fn braces(&self) -> Braces {
+        match self.state {
+            Some(state) if !self.body.regions.is_empty() => Braces::Parallel(state),
+            _ => Braces::Region(self.region),
+        }
+    }
 }
 
 /// Cycle time of a model that does not give one, in milliseconds.

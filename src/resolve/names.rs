@@ -46,6 +46,15 @@ pub enum Place {
     Choice(usize),
 }
 
+/// The braces between which a name of a state is written: where it is looked up first.
+#[derive(Clone, Copy, Debug)]
+pub enum Braces {
+    /// Those of a region, or of a state without regions that is in it.
+    Region(chart::RegionId),
+    /// Those around the regions of a parallel state.
+    Parallel(chart::StateId),
+}
+
 /// The text of a description, empty if there is none.
 pub fn describe(text: &Option<ast::Text>) -> String {
     text.as_ref().map(|t| t.value.clone()).unwrap_or_default()
@@ -238,7 +247,7 @@ impl Resolver {
         self.diagnostics.push(
             Diagnostic::new(Code::ObserverActs, format!("an observer only observes, and {message}"))
                 .label(span, "not in an observer")
-                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, a transition of the observer sets or resets"),
+                .help("let a chart do it, under a condition that asks for the observer's state: `in(STATE)`; what is to be remembered, the observer writes once: by `then`, `entry`, `exit` or `internal`"),
         );
     }
 
@@ -264,12 +273,12 @@ impl Resolver {
     }
 
     /// The outermost region that alone has something called `name`: where a search from outside begins.
-    pub fn outermost(&self, name: &str) -> Option<chart::RegionId> {
+    pub fn outermost(&self, name: &str) -> Option<Braces> {
         let regions = self.machine.charts.iter().flat_map(|c| &c.regions);
         let mut found: Vec<(Place, chart::RegionId)> =
-            regions.filter_map(|&r| Some((self.outward(name, r)?, r))).collect();
+            regions.filter_map(|&r| Some((self.outward(name, Braces::Region(r))?, r))).collect();
         found.dedup_by_key(|(place, _)| *place);
-        if let [(_, region)] = found[..] { Some(region) } else { None }
+        if let [(_, region)] = found[..] { Some(Braces::Region(region)) } else { None }
     }
 
     /// The first region of the chart of that name, unless a state or region is called so, too.
@@ -286,7 +295,7 @@ impl Resolver {
         parts: &[(&str, Span)],
         first: chart::RegionId,
     ) -> Option<chart::StateId> {
-        let found = self.state(parts, Some(first))?;
+        let found = self.state(parts, Some(Braces::Region(first)))?;
         let of = |region: chart::RegionId| self.machine.regions[region].chart;
         if of(self.machine.states[found].region) == of(first) {
             return Some(found);
@@ -299,30 +308,30 @@ impl Resolver {
         None
     }
 
-    /// The state that `parts` mean where they are written: in `region` if there is one, then outward,
-    /// else anywhere in the machine if only one fits.
-    pub fn state(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>) -> Option<chart::StateId> {
-        match self.find(parts, region, false)? {
+    /// The state that `parts` mean where they are written: between those braces if there are any, then
+    /// outward, else anywhere in the machine if only one fits.
+    pub fn state(&mut self, parts: &[(&str, Span)], braces: Option<Braces>) -> Option<chart::StateId> {
+        match self.find(parts, braces, false)? {
             Place::State(id) => Some(id),
             Place::Region(_) | Place::Choice(_) => None,
         }
     }
 
     /// The state that a path means.
-    pub fn path(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<chart::StateId> {
-        self.state(&words(path), Some(region))
+    pub fn path(&mut self, path: &ast::Path, braces: Braces) -> Option<chart::StateId> {
+        self.state(&words(path), Some(braces))
     }
 
     /// The state or choice that a path means.
-    pub fn target(&mut self, path: &ast::Path, region: chart::RegionId) -> Option<Place> {
-        self.find(&words(path), Some(region), true)
+    pub fn target(&mut self, path: &ast::Path, braces: Braces) -> Option<Place> {
+        self.find(&words(path), Some(braces), true)
     }
 
     /// The state that `parts` mean, or choice if one may stand there.
-    fn find(&mut self, parts: &[(&str, Span)], region: Option<chart::RegionId>, choices: bool) -> Option<Place> {
+    fn find(&mut self, parts: &[(&str, Span)], braces: Option<Braces>, choices: bool) -> Option<Place> {
         let span = parts[0].1.to(parts[parts.len() - 1].1);
         let text = parts.iter().map(|p| p.0).collect::<Vec<_>>().join(".");
-        if let Some(start) = region.and_then(|r| self.outward(parts[0].0, r)) {
+        if let Some(start) = braces.and_then(|b| self.outward(parts[0].0, b)) {
             return match self.follow(start, &parts[1..]) {
                 Ok(place) if choices || !matches!(place, Place::Choice(_)) => {
                     if let Place::Region(_) = place {
@@ -374,7 +383,7 @@ impl Resolver {
             }
             _ => {
                 let path = |place: &Place| match *place {
-                    Place::State(id) => Some(self.machine.state_path(id)),
+                    Place::State(id) => Some(self.more_of(id, &text)),
                     Place::Region(_) | Place::Choice(_) => None,
                 };
                 let paths: Vec<String> = states.iter().filter_map(path).collect();
@@ -390,6 +399,16 @@ impl Resolver {
         }
     }
 
+    /// The path of a state, with its chart's name before it if it says no more than `text`.
+    fn more_of(&self, state: chart::StateId, text: &str) -> String {
+        let path = self.machine.state_path(state);
+        if !path.eq_ignore_ascii_case(text) {
+            return path;
+        }
+        let chart = self.machine.regions[self.machine.states[state].region].chart;
+        format!("{}.{path}", self.machine.charts[chart].name)
+    }
+
     fn is_a_choice(&mut self, text: &str, span: Span) {
         self.diagnostics.push(
             Diagnostic::new(Code::WrongKind, format!("`{text}` is a choice"))
@@ -398,15 +417,7 @@ impl Resolver {
         );
     }
 
-    /// All states that a path can mean, searched in the whole machine.
-    pub fn anywhere(&self, parts: &[(&str, Span)]) -> Vec<chart::StateId> {
-        let state = |p: Place| match p {
-            Place::State(id) => Some(id),
-            Place::Region(_) | Place::Choice(_) => None,
-        };
-        self.places(parts).into_iter().filter_map(state).collect()
-    }
-
+    /// All that a path can mean, searched in the whole machine.
     fn places(&self, parts: &[(&str, Span)]) -> Vec<Place> {
         let starts = self.names.everywhere.get(&iec::fold(parts[0].0)).map(Vec::as_slice).unwrap_or_default();
         starts.iter().filter_map(|&s| self.follow(s, &parts[1..]).ok()).collect()
@@ -420,10 +431,17 @@ impl Resolver {
         );
     }
 
-    /// The nearest place called `name`: a state of `region`, the region itself or one beside it,
-    /// then the same further out.
-    fn outward(&self, name: &str, region: chart::RegionId) -> Option<Place> {
+    /// The nearest place called `name`: one of the regions between these braces, a state of the region
+    /// around them, this region itself or one beside it, then the same further out.
+    fn outward(&self, name: &str, braces: Braces) -> Option<Place> {
         let folded = iec::fold(name);
+        let region = self.around(braces);
+        if let Braces::Parallel(state) = braces {
+            let chart = self.machine.regions[region].chart;
+            if let Some(&r) = self.names.regions.get(&(Some(state), chart, folded.clone())) {
+                return Some(Place::Region(r));
+            }
+        }
         let mut at = Some(region);
         while let Some(r) = at {
             if let Some(&place) = self.names.states.get(&(r, folded.clone())) {
@@ -436,6 +454,14 @@ impl Resolver {
             at = region.parent.map(|p| self.machine.states[p].region);
         }
         None
+    }
+
+    /// The region that the braces belong to, or that holds their state.
+    pub fn around(&self, braces: Braces) -> chart::RegionId {
+        match braces {
+            Braces::Region(region) => region,
+            Braces::Parallel(state) => self.machine.states[state].region,
+        }
     }
 
     /// Follows the rest of a path; the error is the index of the part that is not there.

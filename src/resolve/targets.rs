@@ -6,7 +6,7 @@
 
 use super::Resolver;
 use super::expressions::Context;
-use super::names::Place;
+use super::names::{Braces, Place};
 use crate::base::{Code, Diagnostic, Span, limits};
 use crate::ir::chart::{Guard, Inside, Phase, RegionId, StateId};
 use crate::ir::{ast, expr::Expr};
@@ -32,18 +32,18 @@ pub struct Way<'a> {
     pub descriptions: Vec<&'a str>,
 }
 
-/// The ways to a target whose names are looked up in `region`; at least one, nothing after an error.
+/// The ways to a target that is written between these braces; at least one, nothing after an error.
 /// With a source, conditions may ask how long it has been active and whether it is done.
 pub fn ways<'a>(
     r: &mut Resolver,
     choices: &mut [Choice<'a>],
     target: &'a ast::Target,
-    region: RegionId,
+    braces: Braces,
     source: Option<(StateId, Phase)>,
 ) -> Option<Vec<Way<'a>>> {
     let mut walk = Walk { r, choices, source, open: Vec::new(), ways: Vec::new(), too_many: false };
     let nothing = Taken { first: Expr::TRUE, exact: Expr::TRUE, effects: Vec::new(), descriptions: Vec::new() };
-    walk.follow(target, region, nothing).then_some(walk.ways)
+    walk.follow(target, braces, nothing).then_some(walk.ways)
 }
 
 /// What has been met on the way so far.
@@ -68,20 +68,20 @@ struct Walk<'w, 'a> {
 
 impl<'a> Walk<'_, 'a> {
     /// Whether nothing was wrong on the way. Recursion is bounded by [`limits::WAYS`].
-    fn follow(&mut self, target: &'a ast::Target, region: RegionId, taken: Taken<'a>) -> bool {
+    fn follow(&mut self, target: &'a ast::Target, braces: Braces, taken: Taken<'a>) -> bool {
         let end = match target {
-            ast::Target::State(path) => match self.r.target(path, region) {
+            ast::Target::State(path) => match self.r.target(path, braces) {
                 None => None,
                 Some(Place::Choice(choice)) => return self.branch(choice, target.span(), taken),
                 Some(Place::State(state)) => Some((state, Inside::Default)),
                 Some(Place::Region(_)) => unreachable!("a region is no target"),
             },
-            ast::Target::History { of, deep } => self.r.path(of, region).and_then(|state| {
+            ast::Target::History { of, deep } => self.r.path(of, braces).and_then(|state| {
                 let inside = if *deep { Inside::DeepHistory } else { Inside::History };
                 self.r.has_history(state, of.span()).then_some((state, inside))
             }),
             ast::Target::Fork(paths) => {
-                let fork = self.r.side_by_side(paths, region);
+                let fork = self.r.side_by_side(paths, braces);
                 fork.map(|(parallel, states)| (parallel, Inside::Fork(states)))
             }
         };
@@ -109,9 +109,10 @@ impl<'a> Walk<'_, 'a> {
             return self.too_many(span);
         }
         self.open.push(choice);
+        let braces = Braces::Region(region);
         let context = match self.source {
-            Some((source, phase)) => Context::Guard { region, source, phase },
-            None => Context::Active { region },
+            Some((source, phase)) => Context::Guard { braces, source, phase },
+            None => Context::Active { braces },
         };
         let mut rest = taken.exact.clone();
         let mut fine = true;
@@ -126,7 +127,7 @@ impl<'a> Walk<'_, 'a> {
             next.effects.extend(&branch.effects);
             next.descriptions.extend(branch.description.as_ref().map(|t| t.value.as_str()));
             rest = Expr::all([rest, guard.not()]);
-            fine &= self.follow(&branch.target, region, next);
+            fine &= self.follow(&branch.target, braces, next);
         }
         self.open.pop();
         fine
@@ -162,8 +163,8 @@ impl Resolver {
     }
 
     /// The states of a fork or join and the parallel state in whose regions they are, one in each.
-    pub fn side_by_side(&mut self, paths: &[ast::Path], region: RegionId) -> Option<(StateId, Vec<StateId>)> {
-        let found: Vec<Option<StateId>> = paths.iter().map(|p| self.path(p, region)).collect();
+    pub fn side_by_side(&mut self, paths: &[ast::Path], braces: Braces) -> Option<(StateId, Vec<StateId>)> {
+        let found: Vec<Option<StateId>> = paths.iter().map(|p| self.path(p, braces)).collect();
         let states: Vec<StateId> = found.into_iter().collect::<Option<_>>()?;
         let m = &self.machine;
         let parallel = m.ancestors(states[0]).find(|&s| s != states[0] && m.contains(s, states[1]));

@@ -21,6 +21,7 @@ pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut 
         for (i, written) in body.body.transitions.iter().enumerate() {
             match body.movements.iter().find(|(at, _)| *at == i) {
                 Some(&(_, state)) => movement(r, body, written, state, &mut found),
+                None if written.movement.is_some() => no_movement(r, written),
                 None => plain(r, choices, body, written, &mut found),
             }
         }
@@ -89,7 +90,7 @@ fn plain<'a>(
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
         let guard = guard(r, body, written, source, &joined);
-        let ways = targets::ways(r, choices, &written.target, body.region, Some((source, body.phase)));
+        let ways = targets::ways(r, choices, &written.target, body.braces(), Some((source, body.phase)));
         for way in ways.iter().flatten() {
             let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
             let Some(scope) = r.machine.scope(source, way.target) else {
@@ -128,15 +129,15 @@ fn plain<'a>(
         }
     }
     if sources.is_empty() {
-        targets::ways(r, choices, &written.target, body.region, None);
+        targets::ways(r, choices, &written.target, body.braces(), None);
     }
 }
 
 /// The states from which it leads, and what a join asks for besides.
 fn sources(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Source) -> (Vec<chart::StateId>, Vec<Guard>) {
     match written {
-        ast::Source::State(path) => (r.path(path, body.region).into_iter().collect(), Vec::new()),
-        ast::Source::Join(paths) => match r.side_by_side(paths, body.region) {
+        ast::Source::State(path) => (r.path(path, body.braces()).into_iter().collect(), Vec::new()),
+        ast::Source::Join(paths) => match r.side_by_side(paths, body.braces()) {
             Some((parallel, states)) => (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect()),
             None => (Vec::new(), Vec::new()),
         },
@@ -168,6 +169,17 @@ fn jump(r: &mut Resolver, span: Span, source: chart::StateId, target: chart::Sta
     }
 }
 
+/// Reports a movement that is written where no region holds it: beside the regions of a parallel state, or after
+/// the filter.
+fn no_movement(r: &mut Resolver, written: &ast::Transition) {
+    let span = written.movement.as_ref().map_or(written.span, |m| m.span);
+    r.diagnostics.push(
+        Diagnostic::new(Code::MoveWithoutActuator, "nothing moves here")
+            .label(span, "not between the braces of a region that controls an actuator")
+            .help("write it between the braces of the region that holds both states"),
+    );
+}
+
 fn movement(
     r: &mut Resolver,
     body: &ResolvedBody<'_>,
@@ -178,7 +190,7 @@ fn movement(
     let (ast::Source::State(from), ast::Target::State(to)) = (&written.source, &written.target) else {
         unreachable!("a movement leads from one state to one state")
     };
-    let (source, target) = (r.path(from, body.region), r.path(to, body.region));
+    let (source, target) = (r.path(from, body.braces()), r.path(to, body.braces()));
     if let Some(source) = source {
         let guard = guard(r, body, written, source, &[]);
         let deeds = r.deeds(&written.effects, "this transition");
@@ -295,7 +307,7 @@ fn guard(
     joined: &[Guard],
 ) -> Guard {
     let guard = match &written.guard {
-        Some(guard) => r.guard(guard, &Context::Guard { region: body.region, source, phase: body.phase }),
+        Some(guard) => r.guard(guard, &Context::Guard { braces: body.braces(), source, phase: body.phase }),
         None if !joined.is_empty() => Expr::TRUE,
         None if r.machine.states[source].kind == StateKind::Composite => Expr::Atom(Atom::Done(source)),
         None => Expr::TRUE,
@@ -310,7 +322,7 @@ fn internal(
     written: &ast::Internal,
     state: chart::StateId,
 ) -> chart::Transition {
-    let guard = r.guard(&written.guard, &Context::Guard { region: body.region, source: state, phase: body.phase });
+    let guard = r.guard(&written.guard, &Context::Guard { braces: body.braces(), source: state, phase: body.phase });
     let deeds = r.deeds(&written.effects, "this transition");
     if written.effects.is_empty() {
         r.diagnostics.push(

@@ -34,7 +34,8 @@ mod steps;
 mod ways;
 
 use crate::ir::chart::{
-    ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, ScanNumber, StateId, TransitionId, VariableId,
+    ChartKind, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, ScanNumber, StateId, TransitionId,
+    VariableId,
 };
 use code::{Code, Condition, HALF, Layout, Memory, append, part};
 use filter::{Filter, place};
@@ -185,12 +186,15 @@ impl Chart {
     pub fn scan(&mut self, inputs: &[bool]) {
         self.memory.scan += 1;
         self.sample(inputs);
-        if self.memory.scan == 1 {
-            self.steps.begin(&self.code, &mut self.memory, &mut self.configuration);
-        } else {
-            self.steps.step(&self.code, &mut self.memory, &mut self.configuration);
+        self.configuration.forget();
+        for kind in [ChartKind::Observer, ChartKind::Control] {
+            if self.memory.scan == 1 {
+                self.steps.begin(kind, &self.code, &mut self.memory, &mut self.configuration);
+            } else {
+                self.steps.step(kind, &self.code, &mut self.memory, &mut self.configuration);
+            }
+            self.integers.assign(&mut self.configuration, &mut self.memory);
         }
-        self.integers.assign(self.configuration.happened(), &mut self.memory);
         self.act();
         self.drive();
         self.filter.decide(&mut self.memory.words, &self.commands);
@@ -198,6 +202,7 @@ impl Chart {
             *broken = self.code.holds(*never, &self.memory);
         }
         self.steps.end(&self.code, &mut self.memory, &mut self.configuration);
+        self.integers.assign(&mut self.configuration, &mut self.memory);
     }
 
     /// Takes the inputs in; what was now becomes what was before.

@@ -94,7 +94,7 @@ pub fn columns(machine: &Machine) -> Vec<String> {
     names.extend(machine.outputs.values().map(|o| o.name.clone()));
     names.extend(machine.variables.values().map(|v| v.name.clone()));
     names.extend(machine.events.values().map(|e| e.name.clone()));
-    names.extend(paths(machine).into_iter().map(|path| format!("in({path})")));
+    names.extend(machine.states.ids().map(|s| format!("in({})", machine.state_path(s))));
     names.extend(machine.safety.constraints.ids().map(|c| machine.seen(Seen::Acted(c))));
     names.extend(machine.safety.assumptions.iter().map(|a| format!("alarm({})", a.name)));
     names.extend(machine.safety.marks().map(|mark| machine.mark(mark)));
@@ -113,25 +113,9 @@ pub fn bare(column: &str) -> &str {
     column.split_once('(').map_or(column, |(_, inner)| inner.trim_end_matches(')'))
 }
 
-/// For each state its path, with the name of its chart before it where another chart has the same path.
-fn paths(machine: &Machine) -> Vec<String> {
-    let mut paths: Vec<String> = machine.states.ids().map(|s| machine.state_path(s)).collect();
-    let mut count: BTreeMap<String, usize> = BTreeMap::new();
-    for path in &paths {
-        *count.entry(path.clone()).or_default() += 1;
-    }
-    for (path, state) in paths.iter_mut().zip(machine.states.values()) {
-        if count[path] > 1 {
-            let chart = &machine.charts[machine.regions[state.region].chart];
-            *path = format!("{}.{path}", chart.name);
-        }
-    }
-    paths
-}
-
 /// For each state, the shortest end of its path that no other path ends in; all of it where there is none.
 pub fn short_names(machine: &Machine) -> Vec<String> {
-    let paths = paths(machine);
+    let paths: Vec<String> = machine.states.ids().map(|s| machine.state_path(s)).collect();
     let mut count: BTreeMap<&str, usize> = BTreeMap::new();
     for path in &paths {
         for end in ends(path) {

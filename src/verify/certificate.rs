@@ -6,10 +6,10 @@ use super::sat::{Answer, Budget, Sat};
 use super::system::System;
 
 /// Whether the cubes exclude `bad`, no initial state is in one of them, and no scan leads from outside
-/// all of them into one.
-pub fn holds(system: &System, bad: Lit, cubes: &[Cube]) -> bool {
+/// all of them into one; all that where no state is in one of the `known` ones, of which that has been shown before.
+pub fn holds(system: &System, bad: Lit, known: &[Cube], cubes: &[Cube]) -> bool {
     let mut aig = system.aig.clone();
-    let outside: Vec<Lit> = cubes.iter().map(|cube| !inside(&mut aig, system, cube, |l| l.leaf)).collect();
+    let outside: Vec<Lit> = known.iter().chain(cubes).map(|cube| !inside(&mut aig, system, cube, |l| l.leaf)).collect();
     let given: Vec<Lit> = outside.iter().chain(&system.constraints).copied().collect();
     let never = |aig: &Aig, goals: &[Lit]| {
         let mut sat = Sat::new();

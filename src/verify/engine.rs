@@ -10,9 +10,11 @@ use super::certificate;
 use super::count::Count;
 use super::limits::{Limit, Limits, Stop};
 use super::liveness;
-use super::pdr::{self, Proof};
+use super::pdr::{self, Cube, Proof};
+use super::possible;
 use super::symbolic;
 use super::system::{Claim, Property, System, Trace};
+use super::wander;
 
 /// What was found out about a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,6 +45,8 @@ pub enum Engine {
     Bounded,
     /// Property directed reachability.
     Proof,
+    /// Runs by chance.
+    Chance,
 }
 
 /// Which engines may be used.
@@ -78,17 +82,35 @@ pub struct Progress {
 }
 
 /// Conflicts for a first attempt to prove a claim.
-const GLANCE: u64 = 2_000;
+const GLANCE: u64 = 1_000;
+
+/// Gates that runs by chance evaluate, for 64 runs at once.
+const GATES: u64 = 4_000_000_000;
+
+/// Cubes of proofs that are kept for the next one.
+const KNOWN: usize = 2_000;
 
 /// Conflicts for one question about the first scans.
 const QUESTION: u64 = 20_000;
 
+/// What part of the operations a first attempt to explore everything gets.
+const FIRST: u64 = 4;
+
 /// How many times the operations are allowed where there are several kinds of scans.
 const PATIENCE: u64 = 20;
 
-/// Answers all claims as far as the limits allow.
+/// A system that does all that another one does, and more.
+pub struct Coarser<'s> {
+    /// The system.
+    pub system: &'s System,
+    /// For each claim of the other one, the claim of this one that is TRUE of it only if that is; if there is one.
+    pub claims: Vec<Option<usize>>,
+}
+
+/// Answers all claims as far as the limits allow. What holds of a `coarser` system is not asked again.
 pub fn check(
     system: &System,
+    coarser: Option<&Coarser<'_>>,
     limits: &Limits,
     choice: Choice,
     stop: Stop<'_>,
@@ -101,29 +123,58 @@ pub fn check(
         progress,
         found: vec![None; system.claims.len()],
         gave_up: vec![None; system.claims.len()],
+        known: Vec::new(),
     };
     let mut report = Report { findings: Vec::new(), states: None, scans: None };
-    let may = |engine: Engine| choice == Choice::Automatic || choice == Choice::Only(engine);
+    let alone = choice == Choice::Only(Engine::Exact);
     let mut limit = Limit::Kind;
     let mut exact = limit;
-    let alone = choice == Choice::Only(Engine::Exact);
-    if may(Engine::Exact) {
-        let explored = check.explore(if alone { u64::MAX } else { patience(system, limits) });
+    let mut explore = |check: &mut Check<'_, '_, '_>, steps: u64| {
+        let explored = check.explore(steps);
         report.states = explored.0;
         report.scans = report.states.is_some().then_some(explored.1);
-        limit = explored.2.unwrap_or(limit);
-        exact = limit;
-    }
-    // What is easily proved needs no search, and what is easily found no long proof.
-    if choice == Choice::Automatic {
-        check.prove(GLANCE.min(limits.conflicts));
-    }
-    if may(Engine::Bounded) {
-        check.look_ahead(limits.scans);
-        limit = Limit::Scans;
-    }
-    if may(Engine::Proof) {
-        check.prove(limits.conflicts);
+        explored.2.unwrap_or(Limit::Kind)
+    };
+    match choice {
+        Choice::Automatic => {
+            // What is easily found needs no proof, and what is easily proved no search.
+            exact = explore(&mut check, limits.steps / FIRST);
+            let open = check.count();
+            let states = if open > 0 { check.wander() } else { Vec::new() };
+            // Where chance finds little, the system is one that has to be searched through, if it can be.
+            let late = check.count() < open - open / 4;
+            check.prove(GLANCE.min(limits.conflicts));
+            let more = limits.steps.saturating_mul(if system.alternatives.is_empty() { 1 } else { PATIENCE });
+            if !late && check.count() > 0 && exact == Limit::Steps {
+                exact = explore(&mut check, more);
+            }
+            if check.count() > 0 {
+                check.plan(&states);
+                check.ask(coarser);
+                check.prove((30 * GLANCE).min(limits.conflicts));
+            }
+            if late && check.count() > 0 && exact == Limit::Steps {
+                exact = explore(&mut check, more);
+            }
+            if check.count() > 0 {
+                check.look_ahead(limits.scans);
+                check.prove(limits.conflicts);
+                limit = Limit::Scans;
+            }
+        }
+        Choice::Only(Engine::Exact) => {
+            exact = explore(&mut check, u64::MAX);
+            limit = exact;
+        }
+        Choice::Only(Engine::Bounded) => {
+            check.look_ahead(limits.scans);
+            limit = Limit::Scans;
+        }
+        Choice::Only(Engine::Proof) => {
+            check.prove(limits.conflicts);
+            check.plan(&[]);
+        }
+        Choice::Only(Engine::Chance) => drop(check.wander()),
     }
     check.await_answers(choice);
     for ((claim, found), gave_up) in system.claims.iter().zip(check.found).zip(check.gave_up) {
@@ -139,11 +190,6 @@ pub fn check(
     report
 }
 
-/// How many operations the exact engine gets. Of several kinds of scans none touches much; then it is seldom in vain.
-fn patience(system: &System, limits: &Limits) -> u64 {
-    if system.alternatives.is_empty() { limits.steps } else { limits.steps.saturating_mul(PATIENCE) }
-}
-
 struct Check<'s, 'a, 'p> {
     system: &'s System,
     limits: &'s Limits,
@@ -152,6 +198,8 @@ struct Check<'s, 'a, 'p> {
     found: Vec<Option<Finding>>,
     /// Why the last proof of a claim was given up.
     gave_up: Vec<Option<Limit>>,
+    /// Cubes in which no reachable state is, as proofs have shown. The next proof may use them.
+    known: Vec<Cube>,
 }
 
 impl Check<'_, '_, '_> {
@@ -189,6 +237,27 @@ impl Check<'_, '_, '_> {
         (explored.states, explored.scans, explored.limit)
     }
 
+    /// Asks a coarser system about what is open.
+    fn ask(&mut self, coarser: Option<&Coarser<'_>>) {
+        let Some(Coarser { system, claims }) = coarser else { return };
+        let open = self.open().into_iter().filter_map(|(claim, _)| Some((claim, claims[claim]?)));
+        let (open, there): (Vec<usize>, Vec<usize>) = open.unzip();
+        if open.is_empty() {
+            return;
+        }
+        let claims = there.iter().map(|&i| system.claims[i].clone()).collect();
+        let system = System { claims, ..(*system).clone() };
+        let progress = &mut *self.progress;
+        let mut told = |scans: usize| progress(Progress { engine: Engine::Exact, claim: None, scans });
+        let limits = Limits { steps: self.limits.steps.saturating_mul(PATIENCE), ..*self.limits };
+        let explored = symbolic::explore(&system, &limits, self.stop, &mut told);
+        for (claim, verdict) in open.into_iter().zip(explored.verdicts) {
+            if verdict == Some(Ok(())) {
+                self.settle(claim, Engine::Exact, Ok(()));
+            }
+        }
+    }
+
     /// What is claimed to come sooner or later, claim by claim.
     fn await_answers(&mut self, choice: Choice) {
         for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate() {
@@ -201,6 +270,44 @@ impl Check<'_, '_, '_> {
                     let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
                     self.found[claim] = Some(Finding { verdict: Verdict::Unknown(limit), engine });
                 }
+            }
+        }
+    }
+
+    /// How many claims are open, those aside that say what comes eventually.
+    fn count(&self) -> usize {
+        let claims = self.system.claims.iter().zip(&self.found);
+        claims.filter(|(c, f)| f.is_none() && !matches!(c.property, Property::Eventually { .. })).count()
+    }
+
+    /// Looks at runs by chance. Returns some states that are reachable.
+    fn wander(&mut self) -> Vec<Vec<bool>> {
+        let wanted: Vec<bool> = self.found.iter().map(Option::is_none).collect();
+        let walk = wander::wander(self.system, &wanted, GATES, self.stop);
+        for (claim, run) in walk.runs.into_iter().enumerate() {
+            if let Some(run) = run {
+                self.settle(claim, Engine::Chance, Err(run));
+            }
+        }
+        walk.states
+    }
+
+    /// Tries to prove what is claimed to stay possible, from some reachable states on.
+    fn plan(&mut self, states: &[Vec<bool>]) {
+        for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate() {
+            let goal = match *property {
+                Property::AlwaysPossible(goal) => goal,
+                Property::NeverStuck => Lit::TRUE,
+                Property::Never(_) | Property::Eventually { .. } => continue,
+            };
+            if self.found[claim].is_some() {
+                continue;
+            }
+            let progress = &mut *self.progress;
+            let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
+            match possible::prove(self.system, goal, states, &self.known, self.limits, self.stop, &mut told) {
+                Ok(()) => self.settle(claim, Engine::Proof, Ok(())),
+                Err(limit) => self.gave_up[claim] = Some(limit),
             }
         }
     }
@@ -239,10 +346,11 @@ impl Check<'_, '_, '_> {
             let limits = Limits { conflicts, ..*self.limits };
             let progress = &mut *self.progress;
             let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
-            match pdr::prove(self.system, bad, &limits, self.stop, &mut told) {
+            match pdr::prove(self.system, bad, &self.known, &limits, self.stop, &mut told) {
                 Ok(Proof::Never(cubes)) => {
-                    if certificate::holds(self.system, bad, &cubes) {
+                    if certificate::holds(self.system, bad, &self.known, &cubes) {
                         self.settle(claim, Engine::Proof, Ok(()));
+                        self.learn(cubes);
                     } else {
                         let verdict = Verdict::Unknown(Limit::Certificate);
                         self.found[claim] = Some(Finding { verdict, engine: Engine::Proof });
@@ -253,6 +361,16 @@ impl Check<'_, '_, '_> {
                     self.settle(claim, Engine::Proof, Err(trace));
                 }
                 Err(limit) => self.gave_up[claim] = Some(limit),
+            }
+        }
+    }
+
+    /// Keeps cubes that a proof has excluded, short ones.
+    fn learn(&mut self, cubes: Vec<Cube>) {
+        for cube in cubes {
+            if self.known.len() < KNOWN && !self.known.iter().any(|known| pdr::is_part(known, &cube)) {
+                self.known.retain(|known| !pdr::is_part(&cube, known));
+                self.known.push(cube);
             }
         }
     }

@@ -35,6 +35,8 @@ pub enum Limit {
     Scans,
     /// The solver met as many conflicts as it may.
     Conflicts,
+    /// No plans were found that lead from every state to what should stay possible.
+    Plans,
     /// It was told to stop.
     Stopped,
     /// No engine that was left answers such a question.
@@ -52,6 +54,7 @@ impl fmt::Display for Limit {
             Limit::Steps => "the set of reachable states takes too long",
             Limit::Scans => "nothing was found within the scans that are looked ahead",
             Limit::Conflicts => "the solver gave up",
+            Limit::Plans => "no few ways were found that always lead there",
             Limit::Stopped => "the time was up",
             Limit::Kind => "only the exact set of reachable states would tell",
             Limit::Replay => "a run was found that cannot be replayed; please report this",

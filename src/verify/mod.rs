@@ -6,7 +6,9 @@
 //! | [`engine`] | which engine answers what |
 //! | [`symbolic`] | all reachable states, with [`bdd`], [`order`] and [`relation`] |
 //! | [`bounded`] | shortest runs, by a [`solver`] |
+//! | [`wander`] | runs by chance |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
+//! | [`possible`] | proofs that something stays possible, by plans |
 //! | [`export`] | for other tools, and their runs back |
 //! | [`liveness`] | what comes sooner or later in fair runs |
 //! | [`machine`] | a machine in its plant as such a system, and what to ask of it |
@@ -25,12 +27,14 @@ pub mod liveness;
 pub mod machine;
 pub mod order;
 pub mod pdr;
+pub mod possible;
 pub mod relation;
 pub mod solver;
 pub mod symbolic;
 pub mod system;
+pub mod wander;
 
 pub use crate::bits::{aig, sat};
-pub use engine::{Choice, Engine, Finding, Progress, Report, Verdict, check};
+pub use engine::{Choice, Coarser, Engine, Finding, Progress, Report, Verdict, check};
 pub use limits::{Limit, Limits};
 pub use system::{Claim, Fairness, Giver, Input, Latch, Property, System, Trace};

@@ -30,15 +30,16 @@ const STALE: usize = 1_500;
 /// Attempts to leave out a literal that may fail in a row.
 const ATTEMPTS: usize = 6;
 
-/// Whether `bad` can be TRUE in some scan.
+/// Whether `bad` can be TRUE in some scan. `known` are cubes in which no reachable state is; what comes back may rely on them.
 pub fn prove(
     system: &System,
     bad: Lit,
+    known: &[Cube],
     limits: &Limits,
     stop: Stop<'_>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Proof, Limit> {
-    let mut search = Search::new(system, bad, limits, stop);
+    let mut search = Search::new(system, bad, known, limits, stop);
     search.run(progress)
 }
 
@@ -52,6 +53,7 @@ struct Obligation {
 
 struct Search<'s, 'a> {
     system: &'s System,
+    known: &'s [Cube],
     latches: Vec<usize>,
     bad: Lit,
     /// The graph of the system, and more: whether bad and constraints hold together.
@@ -75,13 +77,14 @@ struct Search<'s, 'a> {
 }
 
 impl<'s, 'a> Search<'s, 'a> {
-    fn new(system: &'s System, bad: Lit, limits: &Limits, stop: Stop<'a>) -> Self {
+    fn new(system: &'s System, bad: Lit, known: &'s [Cube], limits: &Limits, stop: Stop<'a>) -> Self {
         let mut aig = system.aig.clone();
         let constraints = aig.all(&system.constraints);
         let shown = aig.and(constraints, bad);
         let roots: Vec<Lit> = system.constraints.iter().copied().chain([bad]).collect();
         let mut search = Search {
             system,
+            known,
             latches: system.cone(&roots).0,
             bad,
             aig,
@@ -107,6 +110,11 @@ impl<'s, 'a> Search<'s, 'a> {
         self.step = Solver::new(self.stop);
         for &c in &self.system.constraints {
             self.step.demand(&self.aig, c);
+        }
+        for cube in self.known {
+            let outside = cube.iter().map(|&(l, value)| self.system.latches[l].leaf.xor(value));
+            let clause: Vec<SatLit> = outside.map(|l| self.step.literal(&self.aig, l)).collect();
+            self.step.clause(&clause);
         }
         self.switch.clear();
         for frame in 0..self.frames.len() {
@@ -397,7 +405,7 @@ enum Which {
 }
 
 /// Whether each state of `inner` is in `outer`: both in order.
-fn is_part(outer: &Cube, inner: &Cube) -> bool {
+pub fn is_part(outer: &Cube, inner: &Cube) -> bool {
     let mut rest = inner.iter();
     outer.iter().all(|value| rest.any(|v| v == value))
 }

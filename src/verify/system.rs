@@ -28,6 +28,8 @@ pub struct System {
     /// What a scan may be, if there are several kinds of which each touches little: each scan is exactly one of these. An engine may look
     /// at each by itself.
     pub alternatives: Vec<Alternative>,
+    /// What, beside claims, tells apart states from which to go on by chance.
+    pub notable: Vec<Lit>,
 }
 
 /// One of the kinds of scans that there are.

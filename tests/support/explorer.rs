@@ -178,6 +178,7 @@ impl<'m> Explorer<'m> {
                 Question::Assumable => Ask::NeverStuck,
                 Question::Moves => Ask::Possible(own),
                 Question::Violated(_)
+                | Question::Beyond(_)
                 | Question::Active(_)
                 | Question::Fires(_)
                 | Question::Together(..)
@@ -222,7 +223,8 @@ impl<'m> Explorer<'m> {
                 Question::Fires(t) => scan.fired.contains(&t),
                 Question::Together(a, b) => scan.enabled[a.index()] && scan.enabled[b.index()],
                 Question::Acts(c) => course.frame[self.layout.acted(c)],
-                Question::Declared(_) | Question::Arises(_) | Question::Assumable => continue,
+                // The simulators do not tell that an integer was held at its bound.
+                Question::Declared(_) | Question::Arises(_) | Question::Assumable | Question::Beyond(_) => continue,
             };
             note(place, is);
         }

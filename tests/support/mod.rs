@@ -6,6 +6,7 @@ pub mod damage;
 pub mod explorer;
 pub mod filters;
 pub mod items;
+pub mod model_damage;
 pub mod models;
 pub mod numbers;
 pub mod plc;

@@ -14,8 +14,9 @@ pub struct Unknown {
     pub variables: Vec<Option<Lit>>,
     /// For each event, whether the program raises it.
     pub raised: Vec<Lit>,
-    /// For each integer, what the program makes of it, as wide as an INT and within the range.
-    pub integers: Vec<Vector>,
+    /// For each integer, what the program makes of it, as wide as an INT and within the range; nothing where
+    /// an observer counts it.
+    pub integers: Vec<Option<Vector>>,
 }
 
 impl Unknown {
@@ -24,6 +25,10 @@ impl Unknown {
             *value = written.unwrap_or(*value);
         }
         now.raised.clone_from(&self.raised);
-        now.integers.clone_from(&self.integers);
+        for (value, counted) in now.integers.iter_mut().zip(&self.integers) {
+            if let Some(counted) = counted {
+                value.clone_from(counted);
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@
 //! the step.
 
 use super::code::{Layout, Memory, append, part};
-use super::steps::Deed;
+use super::steps::{Configuration, Deed};
 use crate::ir::chart::{ComparisonId, Deeds, IntegerId, Machine};
 use crate::ir::number::{Number, Range as Bounds, Relation};
 use std::ops::Range;
@@ -86,13 +86,14 @@ impl Integers {
         all
     }
 
-    /// Assigns what `happened` says, of which the last wins: all values are read before one is written.
-    pub fn assign(&mut self, happened: &[Deed], memory: &mut Memory) {
+    /// Assigns what has happened since the last time, of which the last wins: all values are read before one
+    /// is written.
+    pub fn assign(&mut self, configuration: &mut Configuration, memory: &mut Memory) {
         if self.assignments.is_empty() {
             return;
         }
         self.pending.clear();
-        for deed in happened {
+        for deed in configuration.happened() {
             let range = match deed {
                 Deed::Exit(state) => &self.of_exit[state.index()],
                 Deed::Fire(transition) => &self.of_transition[transition.index()],

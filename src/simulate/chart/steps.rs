@@ -110,7 +110,7 @@ pub struct Configuration {
     active: Vec<StateId>,
     /// The transitions that fired in this scan.
     fired: Vec<TransitionId>,
-    /// What happened in this scan, in order; only of a machine with integers.
+    /// What happened in this step, in order; only of a machine with integers.
     happened: Vec<Deed>,
     /// The same as places in the table, with what they enter as far as it was looked up.
     firing: Vec<(u32, Range<u32>)>,
@@ -130,7 +130,7 @@ impl Configuration {
             happened: Vec::with_capacity(if machine.integers.is_empty() {
                 0
             } else {
-                regions + 2 * machine.states.len()
+                2 * (regions + 2 * machine.states.len())
             }),
             firing: Vec::with_capacity(regions),
             looked: Vec::with_capacity(regions),
@@ -138,9 +138,15 @@ impl Configuration {
         }
     }
 
-    /// What happened in this scan, in order; nothing of a machine without integers.
-    pub fn happened(&self) -> &[Deed] {
-        &self.happened
+    /// What happened since the last time that it was asked, in order; nothing of a machine without integers.
+    pub fn happened(&mut self) -> impl Iterator<Item = Deed> + '_ {
+        self.happened.drain(..)
+    }
+
+    /// A scan begins.
+    pub fn forget(&mut self) {
+        self.fired.clear();
+        self.happened.clear();
     }
 
     /// The transitions that fired in this scan, of each step those of outer regions first.
@@ -275,16 +281,20 @@ impl Steps {
         self.steps.push(Step { id, enabled, internal: t.internal, exits, changes, enters });
     }
 
-    /// Enters the outermost regions.
-    pub fn begin(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+    /// Enters the outermost regions of the charts of that kind.
+    pub fn begin(&self, kind: ChartKind, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
         let Configuration { active, happened, looked, .. } = configuration;
-        // Charts see where observers begin.
-        for outermost in [&self.observing, &self.controlling] {
-            looked.clear();
-            for &region in part(&self.regions, outermost) {
-                self.ways.begin(region, code, memory, looked);
-            }
-            self.enter(looked, active, memory, happened);
+        looked.clear();
+        for &region in part(&self.regions, self.outermost(kind)) {
+            self.ways.begin(region, code, memory, looked);
+        }
+        self.enter(looked, active, memory, happened);
+    }
+
+    fn outermost(&self, kind: ChartKind) -> &Range<u32> {
+        match kind {
+            ChartKind::Observer => &self.observing,
+            ChartKind::Control => &self.controlling,
         }
     }
 
@@ -305,14 +315,6 @@ impl Steps {
         }
     }
 
-    /// Each observer and then each other chart takes one step, effects on variables included.
-    pub fn step(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        configuration.fired.clear();
-        configuration.happened.clear();
-        self.step_of(&self.observing, code, memory, configuration);
-        self.step_of(&self.controlling, code, memory, configuration);
-    }
-
     /// What observers do when the outputs are decided.
     pub fn end(&self, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
         configuration.firing.clear();
@@ -323,15 +325,16 @@ impl Steps {
                 configuration.firing.push((candidates.start + at as u32, 0..0));
             }
         }
+        self.leave(memory, configuration);
         self.fire(memory, configuration);
     }
 
-    /// The charts with these outermost regions take one step.
-    fn step_of(&self, outermost: &Range<u32>, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, happened, firing, looked, open, .. } = &mut *configuration;
+    /// The charts of that kind take one step, effects on variables included.
+    pub fn step(&self, kind: ChartKind, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { active, firing, looked, open, .. } = &mut *configuration;
         firing.clear();
         looked.clear();
-        open.extend_from_slice(part(&self.regions, outermost));
+        open.extend_from_slice(part(&self.regions, self.outermost(kind)));
         while let Some(region) = open.pop() {
             let state = active[region.index()].index();
             let candidates = self.leaving[state].clone();
@@ -348,19 +351,26 @@ impl Steps {
                 open.extend_from_slice(part(&self.regions, &self.inside[state]));
             }
         }
-        if !self.exits.is_empty() {
-            for (at, _) in firing.iter() {
-                for exit in part(&self.exits, &self.steps[*at as usize].exits) {
-                    if memory.words[exit.word as usize] & exit.bit != 0 {
-                        self.change(&exit.changes, memory);
-                        if self.counts {
-                            happened.push(Deed::Exit(exit.state));
-                        }
+        self.leave(memory, configuration);
+        self.fire(memory, configuration);
+    }
+
+    /// What states do that are left by what has been found.
+    fn leave(&self, memory: &mut Memory, configuration: &mut Configuration) {
+        if self.exits.is_empty() {
+            return;
+        }
+        let Configuration { happened, firing, .. } = configuration;
+        for (at, _) in firing.iter() {
+            for exit in part(&self.exits, &self.steps[*at as usize].exits) {
+                if memory.words[exit.word as usize] & exit.bit != 0 {
+                    self.change(&exit.changes, memory);
+                    if self.counts {
+                        happened.push(Deed::Exit(exit.state));
                     }
                 }
             }
         }
-        self.fire(memory, configuration);
     }
 
     /// Fires what has been found.

@@ -43,6 +43,7 @@ pub fn answer(
     match choice {
         Choice::Only(Engine::Exact) => search.explore(&Limits { steps: u64::MAX, ..*limits }),
         Choice::Only(Engine::Bounded) => search.look_ahead(limits.scans, u64::MAX),
+        Choice::Only(Engine::Chance) => Err(Limit::Kind),
         Choice::Only(Engine::Proof) => search.rounds(limits.conflicts).or_else(|_| search.prove()),
         Choice::Automatic => search
             .explore(limits)
@@ -111,9 +112,9 @@ impl Search<'_, '_, '_> {
         for rounds in 1..=ROUNDS {
             let monitor = monitor::rounds(self.system, self.after, self.then, rounds);
             let told = &mut |scans| (self.progress)(Engine::Proof, scans);
-            match pdr::prove(&monitor.system, monitor.bad, &limits, self.stop, told) {
+            match pdr::prove(&monitor.system, monitor.bad, &[], &limits, self.stop, told) {
                 Ok(Proof::Never(cubes)) => {
-                    let sound = certificate::holds(&monitor.system, monitor.bad, &cubes);
+                    let sound = certificate::holds(&monitor.system, monitor.bad, &[], &cubes);
                     return if sound { Ok((Engine::Proof, Ok(()))) } else { Err(Limit::Certificate) };
                 }
                 // More may fit in.
@@ -131,8 +132,8 @@ impl Search<'_, '_, '_> {
     fn prove(&mut self) -> Found {
         let monitor = monitor::lasso(self.system, self.after, self.then);
         let told = &mut |scans| (self.progress)(Engine::Proof, scans);
-        match pdr::prove(&monitor.system, monitor.bad, self.limits, self.stop, told)? {
-            Proof::Never(cubes) if certificate::holds(&monitor.system, monitor.bad, &cubes) => {
+        match pdr::prove(&monitor.system, monitor.bad, &[], self.limits, self.stop, told)? {
+            Proof::Never(cubes) if certificate::holds(&monitor.system, monitor.bad, &[], &cubes) => {
                 Ok((Engine::Proof, Ok(())))
             }
             Proof::Never(_) => Err(Limit::Certificate),

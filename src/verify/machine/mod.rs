@@ -135,6 +135,7 @@ impl<'m> Subject<'m> {
         let inputs = inputs.iter().zip(&before.inputs);
         let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
         let past_outputs = before.outputs;
+        system.notable.clone_from(&scan.after.variables);
         let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, scan, turn, begun };
         let mut subject = Subject { machine, system, questions: Vec::new(), view, timed: running.is_timed() };
         subject.ask_about_outputs(program);

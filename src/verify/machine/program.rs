@@ -1,8 +1,8 @@
 //! The program, scan by scan: what it remembers, and one scan as a function of that and of the inputs.
 //!
 //! Of a program of which nothing is known, the observers and the filter remain. They run as they do
-//! with the charts of the machine; in between, commands, events, integers and all variables that no observer
-//! writes take any value in each scan.
+//! with the charts of the machine; in between, commands, events, and all variables and integers that no
+//! observer writes take any value in each scan.
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
@@ -102,15 +102,21 @@ impl Running<'_> {
 /// Whatever a program can do in a scan.
 fn unknown(system: &mut System, machine: &Machine) -> Unknown {
     let mut observed = vec![false; machine.variables.len()];
-    for t in machine.transitions.values().filter(|t| machine.kind(t.scope) == ChartKind::Observer) {
-        t.deeds.effects.iter().for_each(|e| observed[e.variable.index()] = true);
+    let mut counted = vec![false; machine.integers.len()];
+    let observes = |region| machine.kind(region) == ChartKind::Observer;
+    let transitions = machine.transitions.values().filter(|t| observes(t.scope)).map(|t| &t.deeds);
+    let states = machine.states.values().filter(|s| observes(s.region)).flat_map(|s| [&s.entry, &s.exit]);
+    for deeds in transitions.chain(states) {
+        deeds.effects.iter().for_each(|e| observed[e.variable.index()] = true);
+        deeds.assignments.iter().for_each(|a| counted[a.integer.index()] = true);
     }
     let mut free = |name: String| system.input(name, Giver::Controller);
     let commands = machine.outputs.values().map(|o| free(format!("command {}", o.name))).collect();
     let variables = machine.variables.iter();
     let variables = variables.map(|(id, v)| (!observed[id.index()]).then(|| free(v.name.clone()))).collect();
     let raised = machine.events.values().map(|e| free(format!("raise {}", e.name))).collect();
-    let integers = machine.integers.values().map(|i| within(system, &i.name, i.range)).collect();
+    let integers = machine.integers.iter();
+    let integers = integers.map(|(id, i)| (!counted[id.index()]).then(|| within(system, &i.name, i.range))).collect();
     Unknown { commands, variables, raised, integers }
 }
 
@@ -144,6 +150,7 @@ fn either(aig: &mut Aig, condition: Lit, then: &ChartScan, otherwise: &ChartScan
         commands: pick(&then.commands, &otherwise.commands),
         acted: pick(&then.acted, &otherwise.acted),
         broken: pick(&then.broken, &otherwise.broken),
+        beyond: pick(&then.beyond, &otherwise.beyond),
         begins: pick(&then.begins, &otherwise.begins),
         readings,
         after: map(&then.after, &mut |_| bits.next().expect("both remember the same")),

@@ -3,7 +3,7 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
 use super::{Program, Subject, View};
-use crate::ir::chart::{Atom, ConstraintId, Guard, Machine, Mark, Phase, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, ConstraintId, Guard, IntegerId, Machine, Mark, Phase, StateId, StateKind, TransitionId};
 use crate::ir::scenario::{Condition, Counted, PropertyKind, Seen};
 use crate::prove::chart_numbers::{compare, compare_of};
 use std::collections::BTreeSet;
@@ -27,8 +27,33 @@ pub enum Question {
     Fires(TransitionId),
     /// Whether two transitions of one source are enabled together, and only their order decides.
     Together(TransitionId, TransitionId),
+    /// Whether the integer is ever to become something beyond its range.
+    Beyond(IntegerId),
     /// Whether the filter ever has to act for the constraint.
     Acts(ConstraintId),
+}
+
+/// What people may judge to be meant so, or to be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A property says nothing.
+    Void,
+    /// A state is never active.
+    Unreachable,
+    /// A transition never fires.
+    Silent,
+    /// Only the order of two transitions decides.
+    Overlap,
+    /// An integer stops at a bound of its range.
+    Saturates,
+    /// The filter acts.
+    Acts,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 6] =
+        [Kind::Void, Kind::Unreachable, Kind::Silent, Kind::Overlap, Kind::Saturates, Kind::Acts];
 }
 
 impl Question {
@@ -41,19 +66,21 @@ impl Question {
             | Question::Assumable
             | Question::Moves
             | Question::Together(..)
+            | Question::Beyond(_)
             | Question::Acts(_) => false,
         }
     }
 
-    /// Whether the machine is wrong if the answer is no; otherwise it is for people to judge.
-    pub fn is_demand(self) -> bool {
+    /// What there is to judge if the answer is no; nothing if the machine is wrong then.
+    pub fn kind(self) -> Option<Kind> {
         match self {
-            Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => true,
-            Question::Arises(_)
-            | Question::Active(_)
-            | Question::Fires(_)
-            | Question::Together(..)
-            | Question::Acts(_) => false,
+            Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => None,
+            Question::Arises(_) => Some(Kind::Void),
+            Question::Active(_) => Some(Kind::Unreachable),
+            Question::Fires(_) => Some(Kind::Silent),
+            Question::Together(..) => Some(Kind::Overlap),
+            Question::Beyond(_) => Some(Kind::Saturates),
+            Question::Acts(_) => Some(Kind::Acts),
         }
     }
 }
@@ -125,6 +152,13 @@ impl Subject<'_> {
             let both = self.system.aig.and(enabled[a.index()], enabled[b.index()]);
             let name = format!("{} and {} together", transition(machine, a), transition(machine, b));
             self.ask(Question::Together(a, b), name, Property::Never(both));
+        }
+        for (id, integer) in machine.integers.iter() {
+            let beyond = self.view.scan.beyond[id.index()];
+            // What no assignment can do is no question.
+            if beyond != Lit::FALSE {
+                self.ask(Question::Beyond(id), format!("{} saturates", integer.name), Property::Never(beyond));
+            }
         }
         for (id, constraint) in machine.safety.constraints.iter() {
             let acted = self.view.scan.acted[id.index()];

@@ -86,6 +86,7 @@ impl Turn {
             commands: now(&scan.commands),
             acted: now(&scan.acted),
             broken: now(&scan.broken),
+            beyond: now(&scan.beyond),
             ..scan
         }
     }

@@ -240,6 +240,11 @@ impl Model {
         let Some(integer) = variable.checked_sub(self.variables) else {
             return format!("{} Var{variable}", self.rng.pick(&["set", "reset"]));
         };
+        self.assigned(integer, &(0..self.integers.len()).collect::<Vec<_>>())
+    }
+
+    /// What is assigned to an integer, computed from itself or another one of these.
+    pub fn assigned(&mut self, integer: usize, others: &[usize]) -> String {
         let value = match self.rng.below(10) {
             0..=4 if !self.is_wide(integer) => {
                 let (lowest, highest) = self.integers[integer];
@@ -252,7 +257,7 @@ impl Model {
             }
             // Others may lie far from here.
             _ => {
-                let other = self.rng.below(self.integers.len());
+                let other = *self.rng.pick(others);
                 let (a, b) = (self.integers[integer], self.integers[other]);
                 if a.1 - a.0 < 20 && b.1 - b.0 < 20 { format!("Int{other}") } else { "0".into() }
             }
@@ -267,8 +272,8 @@ impl Model {
     }
 
     /// An integer expression.
-    fn sum(&mut self) -> String {
-        let integer = |model: &mut Model| model.rng.below(model.integers.len());
+    fn sum(&mut self, of: &[usize]) -> String {
+        let integer = |model: &mut Model| *model.rng.pick(of);
         let (a, b, n) = (integer(self), integer(self), self.rng.below(2));
         if self.is_wide(a) || self.is_wide(b) {
             return format!("Int{a}");
@@ -286,13 +291,18 @@ impl Model {
 
     /// A comparison that its ranges leave open, mostly.
     pub fn comparison(&mut self) -> String {
-        let integer = self.rng.below(self.integers.len());
+        self.comparison_of(&(0..self.integers.len()).collect::<Vec<_>>())
+    }
+
+    /// The same of these integers.
+    pub fn comparison_of(&mut self, of: &[usize]) -> String {
+        let integer = *self.rng.pick(of);
         let (lowest, highest) = self.integers[integer];
         // Neither bound is passed, so each relation depends on the value.
         let value = lowest + 1 + self.rng.below((highest - lowest) as usize) as i64;
         let relation = *self.rng.pick(&["=", "<>", "<", "<=", ">", ">="]);
         match (self.rng.below(10), relation) {
-            (0..=1, _) if highest - lowest < 5_000 => format!("{} {relation} {}", self.sum(), self.sum()),
+            (0..=1, _) if highest - lowest < 5_000 => format!("{} {relation} {}", self.sum(of), self.sum(of)),
             (_, "<=" | ">") => format!("Int{integer} {relation} {}", value - 1),
             _ => format!("Int{integer} {relation} {value}"),
         }

@@ -10,7 +10,7 @@ pub struct Observer {
     states: Vec<String>,
     /// The states inside the second one; the last one is final.
     inside: Vec<String>,
-    /// The variables that it may write.
+    /// The variables that it may write; numbers from [`Model::variables`] on are integers.
     variables: Vec<usize>,
     /// Whether it has a part after the filter.
     twice: bool,
@@ -34,7 +34,7 @@ impl Model {
             };
             self.observers.push(observer);
         }
-        for variable in 0..self.variables {
+        for variable in 0..self.variables + self.integers.len() {
             if !self.observers.is_empty() && self.rng.chance(40) {
                 let at = self.rng.below(self.observers.len());
                 self.observers[at].variables.push(variable);
@@ -46,6 +46,12 @@ impl Model {
     pub fn free_variables(&self) -> Vec<usize> {
         let taken = [self.remembered(), self.of_functions()].concat();
         (0..self.variables).filter(|v| !taken.contains(v)).collect()
+    }
+
+    /// The integers that no observer counts, as numbers of variables.
+    pub fn free_integers(&self) -> Vec<usize> {
+        let taken = self.remembered();
+        (self.variables..self.variables + self.integers.len()).filter(|v| !taken.contains(v)).collect()
     }
 
     /// A state of an observer, if there is one.
@@ -65,8 +71,12 @@ impl Model {
 
     fn observer(&mut self, index: usize) -> Item {
         let Observer { states, inside, variables, twice } = self.observers[index].clone();
-        let mut items: Vec<Item> = states.iter().map(|s| Item::line(format!("state {s}"))).collect();
-        items[0] = Item::line(format!("initial state {}", states[0]));
+        let mut items: Vec<Item> = Vec::new();
+        for (i, state) in states.iter().enumerate() {
+            let head = format!("{}state {state}", if i == 0 { "initial " } else { "" });
+            let does = self.once(&variables, !twice);
+            items.push(if does.is_empty() { Item::line(head) } else { Item::block(head, does) });
+        }
         if let [first, last] = &inside[..] {
             let guard = self.observation(1, false, true);
             let lines = [
@@ -74,7 +84,8 @@ impl Model {
                 format!("final state {last}"),
                 format!("from {first} to {last} when {guard}"),
             ];
-            items[1] = Item::block(format!("state {}", states[1]), lines.map(Item::line));
+            let does = self.once(&variables, true);
+            items[1] = Item::block(format!("state {}", states[1]), lines.map(Item::line).into_iter().chain(does));
         }
         let mut lines = [Vec::new(), Vec::new()];
         // A way into every state, and some more.
@@ -93,8 +104,8 @@ impl Model {
                 _ => self.observation(2, end, !twice),
             };
             let priority = self.priority();
-            let effects = match self.rng.choose(&variables) {
-                Some(v) if self.rng.chance(60) => format!(" then {} Var{v}", self.rng.pick(&["set", "reset"])),
+            let effects = match self.noted(&variables) {
+                Some(deed) if self.rng.chance(60) => format!(" then {deed}"),
                 _ => String::new(),
             };
             lines[usize::from(end)].push(Item::line(format!("from {from} to {to}{priority} when {guard}{effects}")));
@@ -134,6 +145,34 @@ impl Model {
         Item::block(format!("observer Watch{index}"), items)
     }
 
+    /// What an observer writes once, into one of these variables or integers: what is assigned is computed
+    /// from its own.
+    fn noted(&mut self, variables: &[usize]) -> Option<String> {
+        let variable = self.rng.choose(variables)?;
+        let Some(integer) = variable.checked_sub(self.variables) else { return Some(self.deed(variable)) };
+        let own: Vec<usize> = variables.iter().filter_map(|v| v.checked_sub(self.variables)).collect();
+        Some(self.assigned(integer, &own))
+    }
+
+    /// What a state of an observer does when it is entered and left, and what happens inside it.
+    fn once(&mut self, variables: &[usize], times: bool) -> Vec<Item> {
+        let mut lines = Vec::new();
+        for word in ["entry", "exit"] {
+            if self.rng.chance(25)
+                && let Some(deed) = self.noted(variables)
+            {
+                lines.push(Item::line(format!("{word} {deed}")));
+            }
+        }
+        if self.rng.chance(20)
+            && let Some(deed) = self.noted(variables)
+        {
+            let (priority, guard) = (self.priority(), self.observation(1, false, times));
+            lines.push(Item::line(format!("internal{priority} when {guard} then {deed}")));
+        }
+        lines
+    }
+
     /// What an observer may ask for; outputs of this scan only after the filter, times only if it has no
     /// part there.
     fn observation(&mut self, depth: usize, end: bool, times: bool) -> String {
@@ -152,7 +191,13 @@ impl Model {
             10..=11 if end => format!("Out{output}"),
             12..=14 => format!("in({})", self.observed().expect("there is an observer")),
             15 if times => format!("after {}ms", self.rng.between(1, 80)),
-            16..=18 if !remembered.is_empty() => format!("Var{}", self.rng.pick(&remembered)),
+            16..=18 if !remembered.is_empty() => match *self.rng.pick(&remembered) {
+                v if v < self.variables => format!("Var{v}"),
+                _ => {
+                    let counted = remembered.iter().filter_map(|v| v.checked_sub(self.variables)).collect::<Vec<_>>();
+                    self.comparison_of(&counted)
+                }
+            },
             _ => format!("In{input}"),
         };
         if self.rng.chance(25) { format!("not {text}") } else { text }

@@ -12,7 +12,7 @@ impl Model {
         let charts = if size > 3 && self.rng.chance(30) { self.rng.between(2, 3) } else { 1 };
         let shares = self.rng.split(size, charts);
         let mut free = self.free_variables();
-        free.extend(self.variables..self.variables + self.integers.len());
+        free.extend(self.free_integers());
         let variables = self.deal(&free, charts);
         let bistable = (0..self.actuators.len()).filter(|&a| self.actuators[a].technology == Technology::Bistable);
         let bistable = self.deal(&bistable.collect::<Vec<_>>(), charts);

@@ -1,0 +1,241 @@
+//! A model to what happens without each of its constraints.
+
+use super::args::{Format, Verify as Args, VerifyProgram};
+use super::files::{self, Pending};
+use super::report::{FileReport, Report};
+use super::{Outcome, counterexample, finish, read, say, verify};
+use crate::ir::chart::{ConstraintId, Machine};
+use crate::pipeline::needed::{Kept, Loss, Needed, Without, needed};
+use crate::pipeline::verify::{Run, property};
+use crate::simulate::vcd;
+use serde::Serialize;
+use std::cell::Cell;
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+/// The JSON document's part.
+#[derive(Serialize)]
+struct Result {
+    /// What is kept with all constraints.
+    properties: Vec<JsonProperty>,
+    constraints: Vec<JsonConstraint>,
+}
+
+#[derive(Serialize)]
+struct JsonProperty {
+    property: String,
+    verdict: &'static str,
+    reason: Option<String>,
+}
+
+#[derive(Serialize)]
+struct JsonConstraint {
+    constraint: String,
+    verdict: &'static str,
+    /// The property that is violated without it, or stays open.
+    property: Option<String>,
+    /// How many scans the run takes that shows it.
+    scans: Option<usize>,
+    shortest: Option<bool>,
+    replayed: Option<bool>,
+    scenario: Option<String>,
+    /// The code of the error for which the compiler refuses what is left.
+    code: Option<String>,
+    reason: Option<String>,
+    /// Those that imply it together with the assumptions, if that is so.
+    implied_by: Option<Vec<String>>,
+}
+
+/// Runs `chartwright verify --needed`.
+pub fn run(args: &Args) -> Outcome {
+    let mut report = Report::default();
+    let begun = Instant::now();
+    let end = begun + Duration::from_secs(args.time);
+    let until = Cell::new(end);
+    let stop = || Instant::now() > until.get();
+    // Nothing is asked of the constraints before it is known what holds with all of them: that may take half of the
+    // time. What one constraint leaves of its share is for those behind it.
+    let mut whole = true;
+    let mut begin = |parts: usize| {
+        let share = if std::mem::take(&mut whole) { 2 } else { u32::try_from(parts).unwrap_or(u32::MAX) };
+        until.set(Instant::now() + end.saturating_duration_since(Instant::now()) / share.max(1));
+    };
+    let options = verify::options(args, VerifyProgram::Any);
+    let found = read(&args.file, &mut report, |source| needed(source, &options, &stop, &mut begin)).flatten();
+    let found = match found {
+        Some(Ok(found)) => found,
+        refused => {
+            let outcome = finish("verify", args.output.format, &report, &Option::<Result>::None);
+            let Some(Err(refusal)) = refused else { return outcome };
+            say(&format!("error: {refusal}\n"));
+            return Outcome::Wrong;
+        }
+    };
+    let mut written = true;
+    for failed in write(args, &found) {
+        report.files.push(failed);
+        written = false;
+    }
+    finish("verify", args.output.format, &report, &result(&found));
+    if args.output.format == Format::Human {
+        say(&human(&found, begun.elapsed()));
+    }
+    let settled = found.without.iter().all(|(_, without)| match without {
+        Without::Violated(loss) => loss.certain,
+        Without::Refused(_) => true,
+        // The only thing that can be denied here.
+        Without::Kept(_) => args.deny.is_empty(),
+        Without::Unknown(..) | Without::Unverified(_) => false,
+    });
+    let fine = settled && found.properties.iter().all(|(_, kept)| *kept == Kept::Yes) && !found.properties.is_empty();
+    if fine && written { Outcome::Fine } else { Outcome::Wrong }
+}
+
+/// Writes what was asked for: all runs as scenarios, the first one as a value change dump.
+fn write(args: &Args, found: &Needed) -> Vec<FileReport> {
+    let runs = found.without.iter().filter_map(|(_, without)| match without {
+        Without::Violated(loss) => loss.run.as_ref().map(|run| (&loss.machine, run)),
+        _ => None,
+    });
+    let runs: Vec<(&Machine, &Run)> = runs.collect();
+    let Some((machine, first)) = runs.first() else { return Vec::new() };
+    let scenarios: Vec<&str> = runs.iter().map(|(_, run)| &*run.scenario).collect();
+    let scenarios = args.scenario.as_ref().map(|path| (path, scenarios.join("\n")));
+    let dump = args.vcd.as_ref().map(|path| (path, vcd::write(machine, &counterexample::recording(first))));
+    let mut failed = Vec::new();
+    for (path, text) in [scenarios, dump].into_iter().flatten() {
+        if let Err(diagnostic) = Pending::prepare(path, text).and_then(Pending::commit) {
+            failed.push(FileReport::failed(files::show(path), diagnostic));
+        }
+    }
+    failed
+}
+
+fn verdict(without: &Without) -> &'static str {
+    match without {
+        Without::Violated(loss) if loss.certain => "needed",
+        Without::Refused(_) => "needed",
+        Without::Kept(_) => "not needed",
+        Without::Violated(_) | Without::Unknown(..) | Without::Unverified(_) => "unknown",
+    }
+}
+
+fn name(machine: &Machine, constraint: ConstraintId) -> &str {
+    &machine.safety.constraints[constraint].name
+}
+
+fn result(found: &Needed) -> Result {
+    let machine = &found.machine;
+    let properties = found.properties.iter().map(|&(i, kept)| JsonProperty {
+        property: property(machine, i),
+        verdict: match kept {
+            Kept::Yes => "holds",
+            Kept::No => "violated",
+            Kept::Unknown(_) => "unknown",
+        },
+        reason: if let Kept::Unknown(limit) = kept { Some(limit.to_string()) } else { None },
+    });
+    let constraints = found.without.iter().map(|(id, without)| {
+        let mut json = JsonConstraint {
+            constraint: name(machine, *id).to_owned(),
+            verdict: verdict(without),
+            property: None,
+            scans: None,
+            shortest: None,
+            replayed: None,
+            scenario: None,
+            code: None,
+            reason: None,
+            implied_by: None,
+        };
+        match without {
+            Without::Violated(loss) => {
+                json.property = Some(property(machine, loss.property));
+                json.reason = (!loss.certain).then(|| DOUBT.to_owned());
+                if let Some(run) = &loss.run {
+                    json.scans = Some(run.frames.len());
+                    json.shortest = Some(run.shortest);
+                    json.replayed = run.replayed;
+                    json.scenario = Some(run.scenario.clone());
+                }
+            }
+            Without::Refused(error) => {
+                json.code = Some(error.code.to_string());
+                json.reason = Some(error.message.clone());
+            }
+            Without::Kept(implied) => {
+                let names = |ids: &Vec<ConstraintId>| ids.iter().map(|&c| name(machine, c).to_owned()).collect();
+                json.implied_by = implied.as_ref().map(names);
+            }
+            Without::Unknown(i, limit) => {
+                json.property = Some(property(machine, *i));
+                json.reason = Some(limit.to_string());
+            }
+            Without::Unverified(refusal) => json.reason = Some(refusal.to_string()),
+        }
+        json
+    });
+    Result { properties: properties.collect(), constraints: constraints.collect() }
+}
+
+/// Why a property that is violated without a constraint does not tell that this is needed.
+const DOUBT: &str = "nobody knows whether it holds with all constraints";
+
+fn human(found: &Needed, time: Duration) -> String {
+    let machine = &found.machine;
+    let mut text = String::new();
+    for &(i, kept) in &found.properties {
+        let _ = match kept {
+            Kept::Yes => writeln!(text, "holds       {}", property(machine, i)),
+            Kept::No => writeln!(text, "violated    {} (and so it does not tell what is needed)", property(machine, i)),
+            Kept::Unknown(limit) => writeln!(text, "unknown     {} ({limit})", property(machine, i)),
+        };
+    }
+    if found.properties.iter().all(|(_, kept)| *kept == Kept::No) {
+        return text + "No declared property holds, so there is nothing that a constraint could be needed for.\n";
+    }
+    for (id, without) in &found.without {
+        let _ = write!(text, "{:<10}  {}", verdict(without), name(machine, *id));
+        let _ = match without {
+            Without::Violated(loss) => write!(text, ": without it {}", lost(machine, loss)),
+            Without::Refused(error) => {
+                write!(text, ": without it the compiler refuses the model ({}: {})", error.code, error.message)
+            }
+            Without::Kept(None) => Ok(()),
+            Without::Kept(Some(implied)) if implied.is_empty() => write!(text, ": implied by the assumptions"),
+            Without::Kept(Some(implied)) => {
+                let names: Vec<&str> = implied.iter().map(|&c| name(machine, c)).collect();
+                write!(text, ": implied by {}", names.join(", "))
+            }
+            Without::Unknown(i, limit) => write!(text, ": {} without it? ({limit})", machine.properties[*i].name),
+            Without::Unverified(refusal) => write!(text, ": {refusal}"),
+        };
+        text.push('\n');
+    }
+    let count = |what: &str| found.without.iter().filter(|(_, without)| verdict(without) == what).count();
+    let _ = writeln!(
+        text,
+        "\n{} of {} constraints are needed, {} are not, each with all others in place; {}.{:03} s",
+        count("needed"),
+        found.without.len(),
+        count("not needed"),
+        time.as_secs(),
+        time.subsec_millis()
+    );
+    text
+}
+
+/// What is lost, and where that shows.
+fn lost(machine: &Machine, loss: &Loss) -> String {
+    let name = &machine.properties[loss.property].name;
+    let scan = match &loss.run {
+        Some(run) if run.frames.is_empty() => " from the beginning".to_owned(),
+        Some(run) => {
+            let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
+            format!(" in scan {}{least}", run.frames.len())
+        }
+        None => String::new(),
+    };
+    let doubt = if loss.certain { String::new() } else { format!("; {DOUBT}") };
+    format!("{name} is violated{scan}{doubt}")
+}

@@ -1,0 +1,380 @@
+//! A model to what happens without each of its constraints.
+//!
+//! One constraint after the other is left out, and the machine that the compiler makes of the rest is asked for those
+//! declared properties that it keeps with all of them. The first scans come first: what a constraint prevents mostly
+//! shows early, and then nothing else has to be found out.
+
+use super::verify::{Options, Question, Refusal, Run, show};
+use super::without;
+use crate::base::{Diagnostic, Diagnostics, Severity};
+use crate::constraints::redundancy;
+use crate::ir::chart::{ConstraintId, Machine};
+use crate::verify::aig::{Lit, lanes};
+use crate::verify::bounded::Bounded;
+use crate::verify::engine;
+use crate::verify::limits::Stop;
+use crate::verify::machine::Subject;
+use crate::verify::symbolic;
+use crate::verify::system::{Claim, Property, System, Trace};
+use crate::verify::{Choice, Limit, Limits, Verdict};
+
+/// Operations on decision diagrams for a first attempt: what is small is known at once.
+const GLANCE: u64 = 200_000;
+
+/// How many of the first scans a first attempt looks at.
+const SCANS: usize = 24;
+
+/// Conflicts for one question about the first scans.
+const CONFLICTS: u64 = 5_000;
+
+/// What is known about the constraints of a machine.
+#[derive(Clone, Debug)]
+pub struct Needed {
+    /// The machine with all constraints.
+    pub machine: Machine,
+    /// Property by property, what is so with all constraints; only of those that are asked.
+    pub properties: Vec<(usize, Kept)>,
+    /// Constraint by constraint, what happens without it. Nothing is said where no property is kept.
+    pub without: Vec<(ConstraintId, Without)>,
+}
+
+/// Whether a property is kept with all constraints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// It is.
+    Yes,
+    /// It is not, and so tells nothing about any of them.
+    No,
+    /// Nobody knows.
+    Unknown(Limit),
+}
+
+/// What happens without a constraint.
+#[derive(Clone, Debug)]
+pub enum Without {
+    /// A property is violated.
+    Violated(Box<Loss>),
+    /// The compiler refuses what is left, because of that.
+    Refused(Box<Diagnostic>),
+    /// All properties that hold with it hold without it. If others imply it together with the assumptions, these; none
+    /// of them if the assumptions do alone.
+    Kept(Option<Vec<ConstraintId>>),
+    /// Nobody knows: of that property, because of that.
+    Unknown(usize, Limit),
+    /// What is left cannot be verified.
+    Unverified(Refusal),
+}
+
+/// A property that is lost without a constraint.
+#[derive(Clone, Debug)]
+pub struct Loss {
+    /// Its index in the whole machine.
+    pub property: usize,
+    /// Whether it is certain that the constraint keeps it: that it holds with all of them is known.
+    pub certain: bool,
+    /// The machine without the constraint.
+    pub machine: Machine,
+    /// What the run answers, in that machine.
+    pub question: Question,
+    /// The run, if there is one that shows it.
+    pub run: Option<Run>,
+}
+
+/// Text to what each constraint is good for. Nothing if the model has errors, or cannot be verified. `begin` is told
+/// before each part of the work how many there still may be, this one included; the first one is about the whole machine.
+pub fn needed(
+    source: &str,
+    options: &Options,
+    stop: Stop<'_>,
+    begin: &mut dyn FnMut(usize),
+) -> (Option<Result<Needed, Refusal>>, Diagnostics) {
+    let (machine, diagnostics) = without::check(source, &options.without);
+    let Some(machine) = machine else { return (None, diagnostics) };
+    let ids: Vec<ConstraintId> = machine.safety.constraints.ids().collect();
+    begin(ids.len() + 1);
+    let properties = match properties(&machine, options, stop) {
+        Ok(properties) => properties,
+        Err(refusal) => return (Some(Err(refusal)), diagnostics),
+    };
+    // Where nothing is kept, nothing can be needed for it.
+    let ids = if properties.iter().all(|(_, kept)| *kept == Kept::No) { Vec::new() } else { ids };
+    let left = |id: ConstraintId| {
+        let mut options = options.clone();
+        options.without.push(machine.safety.constraints[id].name.clone());
+        options
+    };
+    // What is found at once is found first, and leaves its time to the others.
+    let mut without: Vec<Option<Without>> = Vec::new();
+    for (i, &id) in ids.iter().enumerate() {
+        begin(ids.len() - i);
+        without.push(compare(&machine, &properties, source, &left(id), Effort::Glance, stop));
+    }
+    let redundant = redundancy::redundant(&machine);
+    let mut open = without.iter().filter(|w| w.is_none()).count();
+    let mut found = Vec::new();
+    for (id, known) in ids.into_iter().zip(without) {
+        let mut answer = known.unwrap_or_else(|| {
+            begin(open);
+            open -= 1;
+            let all = compare(&machine, &properties, source, &left(id), Effort::All, stop);
+            all.expect("with all effort there is an answer")
+        });
+        if let (Without::Kept(implied), Some(r)) = (&mut answer, redundant.iter().find(|r| r.constraint == id)) {
+            *implied = Some(r.implied_by.clone());
+        }
+        found.push((id, answer));
+    }
+    (Some(Ok(Needed { machine, properties, without: found })), diagnostics)
+}
+
+/// The declared properties among the questions, each with its claim.
+fn declared<'s>(subject: &'s Subject<'_>) -> impl Iterator<Item = (usize, Property)> + 's {
+    let claims = subject.system.claims.iter().map(|c| c.property);
+    let declared = |(question, property)| match question {
+        Question::Declared(i) => Some((i, property)),
+        _ => None,
+    };
+    subject.questions.iter().copied().zip(claims).filter_map(declared)
+}
+
+/// The same system with other claims.
+fn claiming(system: &System, claims: &[Property]) -> System {
+    let mut system = System { claims: Vec::new(), ..system.clone() };
+    claims.iter().for_each(|&property| system.claim("", property));
+    system
+}
+
+/// Which properties a machine keeps, of those that are asked.
+pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
+    let subject = Subject::new(machine, options.program, options.open)?;
+    let hopes = |i: usize| Question::Declared(i).hopes_for_a_run(machine);
+    let asked: Vec<(usize, Property)> = declared(&subject).collect();
+    let answer = |system: &System, claims: &[Property]| {
+        let system = claiming(system, claims);
+        engine::check(&system, None, &options.limits, options.choice, stop, &mut |_| {}).findings
+    };
+    // All that never must be is proved as one mostly, and at less cost than each for itself.
+    let is_bad = |&(i, claim): &(usize, Property)| match claim {
+        Property::Never(bad) if !hopes(i) => Some(bad),
+        _ => None,
+    };
+    let bads: Vec<Lit> = asked.iter().filter_map(is_bad).collect();
+    let mut system = subject.system.clone();
+    let any = system.aig.any(&bads);
+    let together = bads.len() > 1 && answer(&system, &[Property::Never(any)])[0].verdict == Verdict::Holds;
+    let (proved, rest): (Vec<_>, Vec<_>) = asked.into_iter().partition(|a| together && is_bad(a).is_some());
+    let claims: Vec<Property> = rest.iter().map(|&(_, claim)| claim).collect();
+    let kept = rest.iter().zip(answer(&system, &claims)).map(|(&(i, _), finding)| {
+        let kept = match finding.verdict {
+            Verdict::Unknown(limit) => Kept::Unknown(limit),
+            Verdict::Holds if !hopes(i) => Kept::Yes,
+            Verdict::Violated(_) if hopes(i) => Kept::Yes,
+            Verdict::Holds | Verdict::Violated(_) => Kept::No,
+        };
+        (i, kept)
+    });
+    let mut kept: Vec<(usize, Kept)> = proved.iter().map(|&(i, _)| (i, Kept::Yes)).chain(kept).collect();
+    kept.sort_by_key(|&(i, _)| i);
+    Ok(kept)
+}
+
+/// How much an answer is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// What shows at once.
+    Glance,
+    /// All that the options allow.
+    All,
+}
+
+/// What becomes of the `properties` of a `whole` machine in another one, which the options may make of the `source` of
+/// the whole one. Nothing if it takes more effort.
+pub fn compare(
+    whole: &Machine,
+    properties: &[(usize, Kept)],
+    source: &str,
+    options: &Options,
+    effort: Effort,
+    stop: Stop<'_>,
+) -> Option<Without> {
+    let (machine, diagnostics) = without::check(source, &options.without);
+    let Some(machine) = machine else {
+        let mut errors = diagnostics.iter().filter(|d| d.severity() == Severity::Error);
+        let error = errors.next().expect("there is no machine because of an error").clone();
+        return Some(Without::Refused(Box::new(error)));
+    };
+    let subject = match Subject::new(&machine, options.program, options.open) {
+        Ok(subject) => subject,
+        Err(refusal) => return Some(Without::Unverified(refusal)),
+    };
+    // A property may have another index without its neighbours that ask for what is gone.
+    let name = |i: usize| &machine.properties[i].name;
+    let asked = declared(&subject).filter_map(|(i, claim)| {
+        let (index, kept) = properties.iter().find(|(index, _)| whole.properties[*index].name == *name(i))?;
+        let certain = match kept {
+            Kept::Yes => true,
+            Kept::Unknown(_) => false,
+            Kept::No => return None,
+        };
+        Some(Asked { index: *index, here: i, certain, claim })
+    });
+    let asked: Vec<Asked> = asked.collect();
+    let search = Search { subject: &subject, asked: &asked, options, effort, stop };
+    Some(match search.run()? {
+        Ok(None) => Without::Kept(None),
+        Ok(Some((lost, trace))) => {
+            let Asked { index, here, certain, .. } = asked[lost];
+            let question = Question::Declared(here);
+            let run = trace.map(|trace| show(&subject, question, &trace, options));
+            Without::Violated(Box::new(Loss { property: index, certain, question, run, machine: machine.clone() }))
+        }
+        Err((open, limit)) => Without::Unknown(asked[open].index, limit),
+    })
+}
+
+/// A property that is asked of what is left.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// Its index in the whole machine.
+    index: usize,
+    /// Its index in what is left.
+    here: usize,
+    /// Whether it is known to hold with all constraints.
+    certain: bool,
+    /// What is claimed.
+    claim: Property,
+}
+
+struct Search<'s, 'm> {
+    subject: &'s Subject<'m>,
+    asked: &'s [Asked],
+    options: &'s Options,
+    effort: Effort,
+    stop: Stop<'s>,
+}
+
+/// Which of those that are asked is violated, with the run that shows it; none if all hold; or one that stays open.
+type Found = Result<Option<(usize, Option<Trace>)>, (usize, Limit)>;
+
+impl Search<'_, '_> {
+    /// Nothing if it takes more effort.
+    fn run(&self) -> Option<Found> {
+        let found = self.search(&self.of(true));
+        let uncertain = self.of(false);
+        if uncertain.is_empty() || matches!(found, Some(Ok(Some(_)))) {
+            return found;
+        }
+        // What is violated here tells something, even if nobody knows whether it is with all constraints; but first it
+        // is to be known that there is nothing better.
+        match (found?, self.search(&uncertain)?) {
+            (_, lost @ Ok(Some(_))) => Some(lost),
+            (Err(open), _) | (_, Err(open)) => Some(Err(open)),
+            (Ok(_), Ok(None)) => Some(Ok(None)),
+        }
+    }
+
+    fn of(&self, certain: bool) -> Vec<usize> {
+        (0..self.asked.len()).filter(|&i| self.asked[i].certain == certain).collect()
+    }
+
+    fn search(&self, asked: &[usize]) -> Option<Found> {
+        // All that never must be is one claim.
+        let never: Vec<(usize, Lit)> = asked.iter().filter_map(|&i| Some((i, self.bad(i)?))).collect();
+        let rest: Vec<usize> = asked.iter().copied().filter(|&i| self.bad(i).is_none()).collect();
+        let mut system = self.subject.system.clone();
+        let bad = system.aig.any(&never.iter().map(|&(_, bad)| bad).collect::<Vec<_>>());
+        let all = (!never.is_empty()).then_some((None, Property::Never(bad)));
+        let claims = all.into_iter().chain(rest.into_iter().map(|i| (Some(i), self.asked[i].claim)));
+        let (whose, claims): (Vec<Option<usize>>, Vec<Property>) = claims.unzip();
+        let system = claiming(&system, &claims);
+        let verdicts = match self.effort {
+            Effort::Glance => self.glance(&system)?,
+            Effort::All => {
+                let limits = &self.options.limits;
+                let report = engine::check(&system, None, limits, self.options.choice, self.stop, &mut |_| {});
+                report.findings.into_iter().map(|f| f.verdict).collect()
+            }
+        };
+        let mut open = None;
+        for (whose, verdict) in whose.into_iter().zip(verdicts) {
+            let one = || whose.unwrap_or_else(|| never[0].0);
+            match (verdict, whose.is_some_and(|i| self.hopes(i))) {
+                (Verdict::Violated(trace), false) => {
+                    let which = whose.unwrap_or_else(|| self.which(&never, &trace));
+                    return Some(Ok(Some((which, Some(trace)))));
+                }
+                (Verdict::Holds, true) => return Some(Ok(Some((one(), None)))),
+                (Verdict::Holds, false) | (Verdict::Violated(_), true) => {}
+                (Verdict::Unknown(limit), _) => open = open.or_else(|| Some((one(), limit))),
+            }
+        }
+        match self.effort {
+            Effort::Glance if open.is_some() => None,
+            Effort::Glance | Effort::All => Some(open.map_or(Ok(None), Err)),
+        }
+    }
+
+    /// The verdicts that show at once: all of them, or one that something is violated.
+    fn glance(&self, system: &System) -> Option<Vec<Verdict>> {
+        let limits = Limits { steps: GLANCE, ..self.options.limits };
+        if matches!(self.options.choice, Choice::Only(_)) || system.claims.is_empty() {
+            return None;
+        }
+        let explored = symbolic::explore(system, &limits, self.stop, &mut |_| {});
+        if explored.verdicts.iter().all(Option::is_some) {
+            let claims = system.claims.iter().zip(explored.verdicts);
+            // Nothing is believed that the system does not do.
+            let verdict = |(claim, verdict): (&Claim, Option<Result<(), Trace>>)| match verdict? {
+                Ok(()) => Some(Verdict::Holds),
+                Err(trace) => system.shows(&trace, claim.property).then_some(Verdict::Violated(trace)),
+            };
+            return claims.map(verdict).collect();
+        }
+        let Property::Never(bad) = system.claims[0].property else { return None };
+        let trace = self.look_ahead(system, bad)?;
+        let rest = system.claims.iter().skip(1).map(|_| Verdict::Unknown(Limit::Steps));
+        Some([Verdict::Violated(trace)].into_iter().chain(rest).collect())
+    }
+
+    /// Which of those a run shows that never must be.
+    fn which(&self, never: &[(usize, Lit)], trace: &Trace) -> usize {
+        let replay = self.subject.system.replay(trace).expect("the engines replay what they return");
+        let last = replay.values.last().expect("it has a scan");
+        never.iter().find(|&&(_, bad)| lanes(last, bad) & 1 == 1).expect("it shows one of them").0
+    }
+
+    /// Whether a run that shows it is what one hopes for.
+    fn hopes(&self, asked: usize) -> bool {
+        Question::Declared(self.asked[asked].here).hopes_for_a_run(self.subject.machine)
+    }
+
+    /// What never must be, if that is what it says.
+    fn bad(&self, asked: usize) -> Option<Lit> {
+        match self.asked[asked].claim {
+            Property::Never(bad) if !self.hopes(asked) => Some(bad),
+            _ => None,
+        }
+    }
+
+    /// A run of a few scans that shows the bad.
+    fn look_ahead(&self, system: &System, bad: Lit) -> Option<Trace> {
+        let mut bounded = Bounded::new(system, &[bad], self.stop);
+        let mut sure = true;
+        for _ in 0..SCANS.min(self.options.limits.scans) {
+            if (self.stop)() {
+                return None;
+            }
+            bounded.scan();
+            match bounded.find(0, &mut { CONFLICTS }) {
+                Ok(None) => {}
+                Ok(Some(trace)) => {
+                    let trace = Trace { shortest: sure, ..trace };
+                    // Nothing is believed that the system does not do.
+                    return system.shows(&trace, Property::Never(bad)).then_some(trace);
+                }
+                Err(_) => sure = false,
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,62 @@
+//! A model as it would be had some of its constraints not been written.
+//!
+//! They are taken out of the syntax tree, derived ones too, before anything looks at them: what comes out is what the
+//! compiler makes of a model without them, or why it would refuse that model.
+
+use crate::base::{Code, Diagnostic, Diagnostics, iec};
+use crate::check;
+use crate::ir::ast::{self, Guard, Term};
+use crate::ir::chart::Machine;
+use crate::{derive, parse, resolve};
+use std::collections::BTreeSet;
+
+/// Text to a machine that keeps every rule, without the constraints of these names. Without errors among the
+/// diagnostics there is one.
+///
+/// Where some are left out, so are scenarios, and the properties that ask what the filter does for them.
+pub fn check(source: &str, without: &[String]) -> (Option<Machine>, Diagnostics) {
+    let (tree, mut diagnostics) = parse::parse(source);
+    let Some(mut tree) = tree else { return (None, diagnostics) };
+    diagnostics.append(derive::expand(&mut tree));
+    if !without.is_empty() {
+        diagnostics.append(leave_out(&mut tree, without));
+    }
+    let (mut machine, found) = resolve::resolve(&tree);
+    diagnostics.append(found);
+    if !diagnostics.has_errors() {
+        diagnostics.append(check::check(&mut machine));
+    }
+    diagnostics.sort();
+    let machine = (!diagnostics.has_errors()).then_some(machine);
+    (machine, diagnostics)
+}
+
+/// Takes constraints out of a tree, and reports names that are none.
+fn leave_out(tree: &mut ast::Machine, names: &[String]) -> Diagnostics {
+    let mut diagnostics = Diagnostics::new();
+    let folded: BTreeSet<String> = names.iter().map(|name| iec::fold(name)).collect();
+    let is_out = |name: &str| folded.contains(&iec::fold(name));
+    let written: BTreeSet<String> =
+        tree.safety.iter().flat_map(|s| &s.constraints).map(|c| iec::fold(&c.name.text)).collect();
+    for name in names.iter().filter(|name| !written.contains(&iec::fold(name))) {
+        diagnostics.push(
+            Diagnostic::new(Code::UnknownName, format!("there is no constraint `{name}` to be left out"))
+                .help("`chartwright constraints FILE` lists them, derived ones too"),
+        );
+    }
+    for safety in &mut tree.safety {
+        safety.constraints.retain(|c| !is_out(&c.name.text));
+    }
+    let asks = |guard: &Guard| {
+        let mut asks = false;
+        guard.expr.for_each_atom(&mut |term| {
+            if let Term::Acts(path) | Term::First(path) | Term::Alarm(path) = term {
+                asks |= path.parts.iter().any(|(word, _)| is_out(word));
+            }
+        });
+        asks
+    };
+    tree.properties.retain(|p| !asks(&p.condition) && !p.after.as_ref().is_some_and(asks));
+    tree.scenarios.clear();
+    diagnostics
+}

@@ -147,7 +147,7 @@ fn left_out_is_as_if_never_written() {
             let by_hand: Vec<&str> = body.lines().filter(|line| !is_it(line)).collect();
             assert_eq!(by_hand.len() + 1, body.lines().count(), "{name}");
             let (by_hand, refused) = pipeline::check(&by_hand.join("\n"));
-            let (left_out, too) = without::check(&text, &[name.clone()]);
+            let (left_out, too) = without::check(&text, std::slice::from_ref(name));
             assert_eq!(by_hand.is_some(), left_out.is_some(), "{name}: {refused:?} {too:?}");
             if let (Some(by_hand), Some(left_out)) = (by_hand, left_out) {
                 assert_eq!(program(&by_hand), program(&left_out), "{name}");

@@ -45,13 +45,16 @@ pub struct Scan {
     pub violated: Vec<bool>,
 }
 
+/// What tells two memories apart: the frame, and what each list of the memory says.
+type Remembered = (Frame, Vec<bool>, Vec<bool>, Vec<bool>);
+
 /// All that programs have remembered so far.
 pub struct Memories<'m> {
     machine: &'m Machine,
     layout: Layout,
     timers: Vec<Timer>,
     all: Vec<Memory>,
-    known: HashMap<(Frame, Vec<bool>, Vec<bool>, Vec<bool>), usize>,
+    known: HashMap<Remembered, usize>,
     scans: HashMap<(usize, Vec<bool>), Rc<Scan>>,
 }
 

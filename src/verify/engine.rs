@@ -90,6 +90,12 @@ const GATES: u64 = 4_000_000_000;
 /// Cubes of proofs that are kept for the next one.
 const KNOWN: usize = 2_000;
 
+/// So many claims that are hard one by one are tried one by one all the same.
+const FEW: usize = 8;
+
+/// Runs that an attempt to prove all claims together may find.
+const ASIDE: usize = 8;
+
 /// Conflicts for one question about the first scans.
 const QUESTION: u64 = 20_000;
 
@@ -144,6 +150,9 @@ pub fn check(
             // Where chance finds little, the system is one that has to be searched through, if it can be.
             let late = check.count() < open - open / 4;
             check.prove(GLANCE.min(limits.conflicts));
+            if system.alternatives.is_empty() && check.count() > FEW {
+                check.prove_together(limits.conflicts);
+            }
             let more = limits.steps.saturating_mul(if system.alternatives.is_empty() { 1 } else { PATIENCE });
             if !late && check.count() > 0 && exact == Limit::Steps {
                 exact = explore(&mut check, more);
@@ -337,6 +346,43 @@ impl Check<'_, '_, '_> {
                     Err(_) => sure[i] = false,
                 }
             }
+        }
+    }
+
+    /// Tries to prove that nothing of what is open ever is, all at once: what one proof finds out serves the others. What turns out to
+    /// be goes aside, and the rest is tried again.
+    fn prove_together(&mut self, conflicts: u64) {
+        let mut limits = Limits { conflicts, ..*self.limits };
+        for _ in 0..ASIDE {
+            let open = self.open();
+            if open.len() < 2 {
+                return;
+            }
+            let mut joint = self.system.clone();
+            let bads: Vec<Lit> = open.iter().map(|&(_, bad)| bad).collect();
+            let bad = joint.aig.any(&bads);
+            let progress = &mut *self.progress;
+            let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: None, scans });
+            match pdr::prove(&joint, bad, &self.known, &limits, self.stop, &mut told) {
+                Ok(Proof::Never(cubes)) if certificate::holds(&joint, bad, &self.known, &cubes) => {
+                    open.iter().for_each(|&(claim, _)| self.settle(claim, Engine::Proof, Ok(())));
+                    self.learn(cubes);
+                    return;
+                }
+                Ok(Proof::Run(trace)) => {
+                    let shown = |&&(_, bad): &&(usize, Lit)| self.system.shows(&trace, Property::Never(bad));
+                    let shown: Vec<(usize, Lit)> = open.iter().filter(shown).copied().collect();
+                    if shown.is_empty() {
+                        return;
+                    }
+                    for (claim, bad) in shown {
+                        let trace = self.shorter(bad, trace.clone());
+                        self.settle(claim, Engine::Proof, Err(trace));
+                    }
+                }
+                Ok(Proof::Never(_)) | Err(_) => return,
+            }
+            limits.conflicts /= 2;
         }
     }
 

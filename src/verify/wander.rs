@@ -336,7 +336,7 @@ mod tests {
             let latch = system.latch(format!("place {place}"), Some(false));
             let next = system.aig.and(open, right);
             system.latches[place].next = next;
-            system.claim(format!("place {place}"), Property::Never(latch));
+            system.claim(format!("place {place}"), Property::Never(next));
             open = latch;
         }
         let walk = wander(&system, &[true; 10], 10_000_000, &|| false);

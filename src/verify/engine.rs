@@ -87,6 +87,9 @@ const GLANCE: u64 = 1_000;
 /// Gates that runs by chance evaluate, for 64 runs at once.
 const GATES: u64 = 4_000_000_000;
 
+/// Conflicts for a first look ahead.
+const AHEAD: u64 = 30_000;
+
 /// Cubes of proofs that are kept for the next one.
 const KNOWN: usize = 2_000;
 
@@ -148,7 +151,7 @@ pub fn check(
             let open = check.count();
             let states = if open > 0 { check.wander() } else { Vec::new() };
             // Where chance finds little, the system is one that has to be searched through, if it can be.
-            let late = check.count() < open - open / 4;
+            let late = check.count() < open / 2;
             check.prove(GLANCE.min(limits.conflicts));
             if system.alternatives.is_empty() && check.count() > FEW {
                 check.prove_together(limits.conflicts);
@@ -162,11 +165,14 @@ pub fn check(
                 check.ask(coarser);
                 check.prove((30 * GLANCE).min(limits.conflicts));
             }
+            if late {
+                check.look_ahead(limits.scans, AHEAD);
+            }
             if late && check.count() > 0 && exact == Limit::Steps {
                 exact = explore(&mut check, more);
             }
             if check.count() > 0 {
-                check.look_ahead(limits.scans);
+                check.look_ahead(limits.scans, u64::MAX);
                 check.prove(limits.conflicts);
                 limit = Limit::Scans;
             }
@@ -176,7 +182,7 @@ pub fn check(
             limit = exact;
         }
         Choice::Only(Engine::Bounded) => {
-            check.look_ahead(limits.scans);
+            check.look_ahead(limits.scans, u64::MAX);
             limit = Limit::Scans;
         }
         Choice::Only(Engine::Proof) => {
@@ -321,15 +327,15 @@ impl Check<'_, '_, '_> {
         }
     }
 
-    /// Looks for runs of up to that many scans.
-    fn look_ahead(&mut self, scans: usize) {
+    /// Looks for runs of up to that many scans, until it has met so many conflicts.
+    fn look_ahead(&mut self, scans: usize, mut conflicts: u64) {
         let open = self.open();
         let bads: Vec<Lit> = open.iter().map(|&(_, bad)| bad).collect();
         let mut bounded = Bounded::new(self.system, &bads, self.stop);
         // Whether nothing was found in all scans so far, rather than given up.
         let mut sure = vec![true; open.len()];
         for scan in 1..=scans {
-            if (self.stop)() || self.open().is_empty() {
+            if (self.stop)() || conflicts == 0 || self.open().is_empty() {
                 return;
             }
             (self.progress)(Progress { engine: Engine::Bounded, claim: None, scans: scan });
@@ -338,7 +344,11 @@ impl Check<'_, '_, '_> {
                 if self.found[claim].is_some() {
                     continue;
                 }
-                match bounded.find(i, &mut { QUESTION.min(self.limits.conflicts) }) {
+                let most = QUESTION.min(self.limits.conflicts).min(conflicts);
+                let mut left = most;
+                let found = bounded.find(i, &mut left);
+                conflicts -= most - left;
+                match found {
                     Ok(None) => {}
                     Ok(Some(trace)) => {
                         self.settle(claim, Engine::Bounded, Err(Trace { shortest: sure[i], ..trace }));

@@ -1,6 +1,6 @@
 //! A machine and its PLC project to the counts of what they consist of.
 
-use crate::ir::chart::{Machine, StateKind, outputs_of};
+use crate::ir::chart::{ChartKind, Machine, StateKind, outputs_of};
 use crate::ir::plc::{Body, Project};
 use serde::Serialize;
 use std::fmt;
@@ -18,13 +18,15 @@ pub struct Stats {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MachineStats {
-    /// Charts, composite states and named regions (seed 002, section 3).
+    /// Charts, composite states and named regions (seed 002, section 3); observers are no modes of the machine.
     pub macro_states: usize,
-    /// All other states, movements and final states included.
+    /// All other states, movements and final states included; those of observers are not.
     pub elementary_states: usize,
     /// Deepest nesting of macro states; a chart is level 1.
     pub levels: usize,
-    /// Regions, named or not.
+    /// Observers.
+    pub observers: usize,
+    /// Regions, named or not, those of observers included.
     pub regions: usize,
     /// Transitions, the ends of movements included.
     pub transitions: usize,
@@ -77,12 +79,15 @@ impl MachineStats {
         let composite = states(|k| k == StateKind::Composite);
         let named = machine.regions.values().filter(|r| r.name.is_some()).count();
         let combined = |products: &[_]| products.iter().any(|p| outputs_of(p).count() > 1);
+        let observers = machine.charts.values().filter(|c| c.kind == ChartKind::Observer).count();
+        let observing = machine.states.ids().filter(|&s| machine.observes(s)).count();
         let constraints = &machine.safety.constraints;
         let combined = constraints.values().filter(|c| combined(&c.products)).count();
         MachineStats {
-            macro_states: machine.charts.len() + composite + named,
-            elementary_states: machine.states.len() - composite,
+            macro_states: machine.charts.len() - observers + composite + named,
+            elementary_states: machine.states.len() - composite - observing,
             levels: levels(machine),
+            observers,
             regions: machine.regions.len(),
             transitions: machine.transitions.len(),
             movements: states(|k| matches!(k, StateKind::Movement { .. })),
@@ -137,6 +142,7 @@ impl fmt::Display for Stats {
             ("macro states", m.macro_states),
             ("elementary states", m.elementary_states),
             ("levels", m.levels),
+            ("observers", m.observers),
             ("regions", m.regions),
             ("transitions", m.transitions),
             ("movements", m.movements),

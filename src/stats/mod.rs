@@ -79,7 +79,7 @@ impl MachineStats {
         let composite = states(|k| k == StateKind::Composite);
         let named = machine.regions.values().filter(|r| r.name.is_some()).count();
         let combined = |products: &[_]| products.iter().any(|p| outputs_of(p).count() > 1);
-        let observers = machine.charts.values().filter(|c| c.kind == ChartKind::Observer).count();
+        let observers = machine.charts.iter().filter(|c| c.kind == ChartKind::Observer).count();
         let observing = machine.states.ids().filter(|&s| machine.observes(s)).count();
         let constraints = &machine.safety.constraints;
         let combined = constraints.values().filter(|c| combined(&c.products)).count();

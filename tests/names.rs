@@ -188,7 +188,7 @@ fn an_ambiguous_name_is_said_with_more_of_its_path() {
 
 #[test]
 fn a_movement_stands_in_the_region_that_moves() {
-    let parallel = "machine M inputs { In Out Go } outputs { OUT } actuator Rod monostable { position Back sensor In position Front output OUT sensor Out }
+    let parallel = "machine M inputs { In Out Go } outputs { PUSH } actuator Rod monostable { position Back sensor In position Front output PUSH sensor Out }
          chart C {
            initial state W
            parallel state P {

@@ -103,7 +103,7 @@ const ASIDE: usize = 8;
 const QUESTION: u64 = 20_000;
 
 /// What part of the operations a first attempt to explore everything gets.
-const FIRST: u64 = 4;
+const FIRST: u64 = 16;
 
 /// How many times the operations are allowed where there are several kinds of scans.
 const PATIENCE: u64 = 20;
@@ -163,10 +163,10 @@ pub fn check(
             if check.count() > 0 {
                 check.plan(&states);
                 check.ask(coarser);
+                if late {
+                    check.look_ahead(limits.scans, AHEAD);
+                }
                 check.prove((30 * GLANCE).min(limits.conflicts));
-            }
-            if late {
-                check.look_ahead(limits.scans, AHEAD);
             }
             if late && check.count() > 0 && exact == Limit::Steps {
                 exact = explore(&mut check, more);

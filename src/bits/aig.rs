@@ -310,20 +310,25 @@ impl Aig {
         }
     }
 
+    /// The number of a leaf.
+    ///
+    /// # Panics
+    ///
+    /// If the literal is no leaf.
+    pub fn number(&self, leaf: Lit) -> usize {
+        match self.nodes[leaf.node()] {
+            Node::Leaf(number) => number as usize,
+            Node::False | Node::And(..) => panic!("a leaf is asked for"),
+        }
+    }
+
     /// Copies the functions `roots` of `from` into this graph, where `leaf` stands for each leaf that
     /// they reach; what comes back stands for the roots.
     pub fn import(&mut self, from: &Aig, roots: &[Lit], leaf: &mut impl FnMut(&mut Aig, u32) -> Lit) -> Vec<Lit> {
-        let mut image = vec![Lit::FALSE; from.len()];
-        for n in from.cone(roots) {
-            image[n] = match from.nodes[n] {
-                Node::False => Lit::FALSE,
-                Node::Leaf(number) => leaf(self, number),
-                Node::And(a, b) => {
-                    let (a, b) = (image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated()));
-                    self.and(a, b)
-                }
-            };
-        }
+        let image = self.copy(from, roots, &mut |aig, n| match from.nodes[n] {
+            Node::Leaf(number) => Some(leaf(aig, number)),
+            Node::False | Node::And(..) => None,
+        });
         roots.iter().map(|l| image[l.node()].xor(l.is_negated())).collect()
     }
 
@@ -331,18 +336,25 @@ impl Aig {
     /// there for each node that the roots depend on.
     pub fn restrict(&self, roots: &[Lit], known: &[(Lit, bool)]) -> (Aig, Vec<Lit>) {
         let mut aig = Aig::new();
-        let leaves: Vec<Lit> = self.names.iter().map(|name| aig.leaf(name.as_str())).collect();
-        let mut value: Vec<Option<Lit>> = vec![None; self.len()];
+        let mut value = vec![None; self.len()];
+        for (leaf, name) in self.leaves().zip(&self.names) {
+            value[leaf.node()] = Some(aig.leaf(name.as_str()));
+        }
         known.iter().for_each(|(l, v)| value[l.node()] = Some(Lit::of(*v != l.is_negated())));
-        let mut image = vec![Lit::FALSE; self.len()];
-        for n in self.cone(roots) {
-            image[n] = value[n].unwrap_or_else(|| match self.nodes[n] {
-                Node::False => Lit::FALSE,
-                Node::Leaf(number) => leaves[number as usize],
-                Node::And(a, b) => aig.and(image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated())),
+        let image = aig.copy(self, roots, &mut |_, n| value[n]);
+        (aig, image)
+    }
+
+    /// Copies what `roots` depend on; `given` says what stands for a node, for leaves at least. Returns what stands for each node.
+    fn copy(&mut self, from: &Aig, roots: &[Lit], given: &mut impl FnMut(&mut Aig, usize) -> Option<Lit>) -> Vec<Lit> {
+        let mut image = vec![Lit::FALSE; from.len()];
+        for n in from.cone(roots) {
+            image[n] = given(self, n).unwrap_or_else(|| match from.nodes[n] {
+                Node::And(a, b) => self.and(image[a.node()].xor(a.is_negated()), image[b.node()].xor(b.is_negated())),
+                Node::False | Node::Leaf(_) => Lit::FALSE,
             });
         }
-        (aig, image)
+        image
     }
 
     /// The nodes that `roots` depend on, themselves included, in topological order.

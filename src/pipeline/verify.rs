@@ -115,9 +115,9 @@ pub fn verify(
         }
     };
     // What holds behind any program holds behind the charts.
-    let any = match options.program {
-        Program::Chart => Subject::new(&verified.machine, Program::Any, options.open).ok(),
-        Program::Any => None,
+    let any = match (options.program, options.choice) {
+        (Program::Chart, Choice::Automatic) => Subject::new(&verified.machine, Program::Any, options.open).ok(),
+        (Program::Chart, Choice::Only(_)) | (Program::Any, _) => None,
     };
     let coarser = any.as_ref().map(|any| {
         let there = |q: &Question| any.questions.iter().position(|asked| asked == q);

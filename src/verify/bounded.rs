@@ -1,6 +1,6 @@
 //! The first scans of a system, one by one: finds shortest runs, proves nothing (Biere et al., 1999).
 
-use super::aig::{Aig, Lit, Node};
+use super::aig::{Aig, Lit};
 use super::limits::{Limit, Stop};
 use super::solver::{Outcome, Solver};
 use super::system::{System, Trace};
@@ -47,13 +47,9 @@ impl<'s, 'a> Bounded<'s, 'a> {
         let system = self.system;
         let from = &system.aig;
         let mut value = vec![None; from.leaves().len()];
-        let number = |l: Lit| match from.node(l.node()) {
-            Node::Leaf(number) => number as usize,
-            Node::False | Node::And(..) => unreachable!("latches and inputs are leaves"),
-        };
-        system.latches.iter().zip(&self.state).for_each(|(l, &state)| value[number(l.leaf)] = Some(state));
+        system.latches.iter().zip(&self.state).for_each(|(l, &state)| value[from.number(l.leaf)] = Some(state));
         let inputs: Vec<Lit> = system.inputs.iter().map(|i| self.aig.leaf(system.name(i.leaf))).collect();
-        system.inputs.iter().zip(&inputs).for_each(|(i, &input)| value[number(i.leaf)] = Some(input));
+        system.inputs.iter().zip(&inputs).for_each(|(i, &input)| value[from.number(i.leaf)] = Some(input));
         let mut roots = system.constraints.clone();
         roots.extend(&self.bads);
         roots.extend(self.latches.iter().map(|&l| system.latches[l].next));

@@ -237,7 +237,7 @@ impl Check<'_, '_, '_> {
     fn open(&self) -> Vec<(usize, Lit)> {
         let claims = self.system.claims.iter().map(|c: &Claim| c.property).enumerate();
         let open = claims.filter(|&(i, _)| self.found[i].is_none());
-        open.filter_map(|(i, p)| if let Property::Never(bad) = p { Some((i, bad)) } else { None }).collect()
+        open.filter_map(|(i, p)| Some((i, p.never()?))).collect()
     }
 
     fn explore(&mut self, steps: u64) -> (Option<Count>, usize, Option<Limit>) {

@@ -5,7 +5,7 @@
 //! covers yet asks for one more plan (counterexample-guided, Clarke et al., 2003, on plans instead of abstractions). What this
 //! does not find out may be so or not.
 
-use super::aig::{Aig, Lit, Node, lanes};
+use super::aig::{Lit, lanes};
 use super::bounded::Bounded;
 use super::certificate;
 use super::limits::{Limit, Limits, Stop};
@@ -83,13 +83,8 @@ fn reaches(system: &System, goal: Lit, plan: &Plan, states: &[Vec<bool>]) -> u64
         .collect();
     let (mut valid, mut reached) = (u64::MAX, 0);
     for inputs in plan {
-        let mut leaves = vec![0; system.aig.leaves().len()];
-        system.latches.iter().zip(&now).for_each(|(l, &word)| leaves[number(&system.aig, l.leaf)] = word);
-        for (input, &value) in system.inputs.iter().zip(inputs) {
-            leaves[number(&system.aig, input.leaf)] = if value { u64::MAX } else { 0 };
-        }
-        let mut values = Vec::new();
-        system.aig.simulate(&leaves, &mut values);
+        let inputs: Vec<u64> = inputs.iter().map(|&value| if value { u64::MAX } else { 0 }).collect();
+        let values = system.lanes(&now, &inputs);
         valid = system.constraints.iter().fold(valid, |all, &c| all & lanes(&values, c));
         reached |= valid & lanes(&values, goal);
         now = system.latches.iter().map(|l| lanes(&values, l.next)).collect();
@@ -128,8 +123,8 @@ fn cover(system: &System, goal: Lit, plans: &[Plan]) -> (System, Lit) {
         let (mut valid, mut reached) = (Lit::TRUE, Lit::FALSE);
         for inputs in plan {
             let mut value = vec![Lit::FALSE; system.aig.leaves().len()];
-            system.latches.iter().zip(&now).for_each(|(l, &lit)| value[number(&system.aig, l.leaf)] = lit);
-            system.inputs.iter().zip(inputs).for_each(|(i, &v)| value[number(&system.aig, i.leaf)] = Lit::of(v));
+            system.latches.iter().zip(&now).for_each(|(l, &lit)| value[system.aig.number(l.leaf)] = lit);
+            system.inputs.iter().zip(inputs).for_each(|(i, &v)| value[system.aig.number(i.leaf)] = Lit::of(v));
             let image = covered.aig.import(&system.aig, &roots, &mut |_, leaf| value[leaf as usize]);
             let (constraints, rest) = image.split_at(system.constraints.len());
             let kept = covered.aig.all(constraints);
@@ -141,12 +136,4 @@ fn cover(system: &System, goal: Lit, plans: &[Plan]) -> (System, Lit) {
         bad = covered.aig.and(bad, !reached);
     }
     (covered, bad)
-}
-
-/// The number of a leaf.
-fn number(aig: &Aig, leaf: Lit) -> usize {
-    match aig.node(leaf.node()) {
-        Node::Leaf(number) => number as usize,
-        Node::False | Node::And(..) => unreachable!("latches and inputs are leaves"),
-    }
 }

@@ -113,6 +113,13 @@ pub enum Property {
     },
 }
 
+impl Property {
+    /// What never may be, if it says so.
+    pub fn never(self) -> Option<Lit> {
+        if let Property::Never(bad) = self { Some(bad) } else { None }
+    }
+}
+
 /// A run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Trace {
@@ -159,10 +166,7 @@ impl System {
 
     /// The name of a leaf.
     pub fn name(&self, leaf: Lit) -> &str {
-        match self.aig.node(leaf.node()) {
-            Node::Leaf(number) => self.aig.name(number),
-            Node::False | Node::And(..) => unreachable!("latches and inputs are leaves"),
-        }
+        self.aig.name(self.aig.number(leaf) as u32)
     }
 
     /// What a run does; nothing if it breaks a constraint or begins with a wrong value.
@@ -224,16 +228,17 @@ impl System {
         self.constraints.iter().copied().chain(fair).chain([after, then]).collect()
     }
 
-    /// Every node's value in a scan.
+    /// Every node's value in a scan, in all lanes alike.
     pub fn evaluate(&self, latches: &[bool], inputs: &[bool]) -> Vec<u64> {
+        let words = |values: &[bool]| values.iter().map(|&value| if value { u64::MAX } else { 0 }).collect::<Vec<_>>();
+        self.lanes(&words(latches), &words(inputs))
+    }
+
+    /// Every node's values in the scans of 64 runs at once.
+    pub fn lanes(&self, latches: &[u64], inputs: &[u64]) -> Vec<u64> {
         let mut words = vec![0; self.aig.leaves().len()];
-        let mut set = |leaf: Lit, value: bool| {
-            if let Node::Leaf(number) = self.aig.node(leaf.node()) {
-                words[number as usize] = if value { u64::MAX } else { 0 };
-            }
-        };
-        self.latches.iter().zip(latches).for_each(|(l, &value)| set(l.leaf, value));
-        self.inputs.iter().zip(inputs).for_each(|(i, &value)| set(i.leaf, value));
+        self.latches.iter().zip(latches).for_each(|(l, &word)| words[self.aig.number(l.leaf)] = word);
+        self.inputs.iter().zip(inputs).for_each(|(i, &word)| words[self.aig.number(i.leaf)] = word);
         let mut values = Vec::new();
         self.aig.simulate(&words, &mut values);
         values

@@ -6,7 +6,7 @@
 
 use super::aig::{Lit, Node};
 use super::limits::Stop;
-use super::system::{Giver, Property, System, Trace};
+use super::system::{Giver, System, Trace};
 use std::collections::{HashMap, HashSet};
 
 /// Scans between two looks at where to go on.
@@ -37,15 +37,11 @@ pub struct Walk {
 
 /// Walks until `gates` evaluations of gates are spent, `stop` says so, or nothing new comes up any more.
 pub fn wander(system: &System, wanted: &[bool], gates: u64, stop: Stop<'_>) -> Walk {
-    let bads: Vec<Option<Lit>> = system.claims.iter().map(|c| never(c.property)).collect();
+    let bads: Vec<Option<Lit>> = system.claims.iter().map(|c| c.property.never()).collect();
     let mut walker = Walker::new(system, bads, wanted);
     walker.walk(gates, stop);
     let runs = walker.runs.iter().map(|place| place.map(|p| walker.trace(p))).collect();
     Walk { runs, states: walker.places.into_iter().map(|p| p.state).collect() }
-}
-
-fn never(property: Property) -> Option<Lit> {
-    if let Property::Never(bad) = property { Some(bad) } else { None }
 }
 
 /// A state to go on from.
@@ -310,6 +306,7 @@ fn transpose(rows: &mut [u64; 64]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::system::Property;
     use super::*;
 
     #[test]

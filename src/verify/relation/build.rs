@@ -63,10 +63,10 @@ impl<'a> Build<'a> {
         let leaves = latches.iter().map(|&l| system.latches[l].leaf);
         let roots: Vec<Lit> = roots.iter().copied().chain(nexts).chain(leaves).collect();
         let rank = order::force(system, &latches, &system.aig.cone(&roots));
-        let of_latches = latches.iter().map(|&l| (system.latches[l].leaf.node(), true));
-        let of_inputs = inputs.iter().map(|&i| (system.inputs[i].leaf.node(), false));
-        let mut leaves: Vec<(u32, usize, bool)> =
-            of_latches.chain(of_inputs).map(|(n, latch)| (rank[n].expect("it is in the cone"), n, latch)).collect();
+        let of_latches = latches.iter().map(|&l| (system.latches[l].leaf, true));
+        let of_inputs = inputs.iter().map(|&i| (system.inputs[i].leaf, false));
+        let ranked = |(leaf, latch): (Lit, bool)| (rank[leaf.node()].expect("it is in the cone"), leaf, latch);
+        let mut leaves: Vec<(u32, Lit, bool)> = of_latches.chain(of_inputs).map(ranked).collect();
         leaves.sort_unstable();
         let mut build = Build {
             bdd: Bdd::new(limits.nodes, limits.steps, stop),
@@ -80,21 +80,21 @@ impl<'a> Build<'a> {
         };
         let graph = Graph { aig: system.aig.clone(), rank };
         let mut then = vec![0; system.aig.len()];
-        for (rank, n, latch) in leaves {
+        for (rank, leaf, latch) in leaves {
             let var = build.bdd.insert(build.bdd.variables());
-            build.variable[leaf(&graph.aig, n)] = Some(var);
+            build.variable[graph.aig.number(leaf)] = Some(var);
             build.ranked.push((rank, var));
             if latch {
                 // A latch's two values stand side by side.
-                then[n] = build.bdd.insert(build.bdd.variables());
+                then[leaf.node()] = build.bdd.insert(build.bdd.variables());
             } else {
                 build.given.push(var);
             }
         }
         for &l in &build.latches {
-            let n = system.latches[l].leaf.node();
-            build.now.push(build.variable[leaf(&graph.aig, n)].expect("a latch has a variable"));
-            build.then.push(then[n]);
+            let leaf = system.latches[l].leaf;
+            build.now.push(build.variable[graph.aig.number(leaf)].expect("a latch has a variable"));
+            build.then.push(then[leaf.node()]);
         }
         (build, graph)
     }
@@ -148,13 +148,5 @@ impl<'a> Build<'a> {
         let definition = self.bdd.equal(edge, function)?;
         self.cuts.push((var, definition));
         Ok(edge)
-    }
-}
-
-/// The number of the leaf that a node is.
-fn leaf(aig: &Aig, node: usize) -> usize {
-    match aig.node(node) {
-        Node::Leaf(number) => number as usize,
-        Node::False | Node::And(..) => unreachable!("latches and inputs are leaves"),
     }
 }

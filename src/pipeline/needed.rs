@@ -5,14 +5,14 @@
 //! shows early, and then nothing else has to be found out.
 
 use super::run::{Run, show};
-use super::verify::{Options, Question, Refusal};
+use super::verify::{Options, Question, Refusal, behind_any};
 use super::without;
 use crate::base::{Diagnostic, Diagnostics, Severity};
 use crate::constraints::redundancy;
 use crate::ir::chart::{ConstraintId, Machine};
 use crate::verify::aig::{Lit, lanes};
 use crate::verify::bounded::Bounded;
-use crate::verify::engine;
+use crate::verify::engine::{self, Coarser};
 use crate::verify::limits::Stop;
 use crate::verify::machine::Subject;
 use crate::verify::symbolic;
@@ -145,27 +145,50 @@ fn claiming(system: &System, claims: &[Property]) -> System {
     system
 }
 
+/// A system of which nothing is known but that it does all that another one does, with what it claims of groups of
+/// properties, each claimed as one: nothing where it claims something else.
+fn coarser(any: &Subject<'_>, groups: &[Vec<usize>]) -> (System, Vec<Option<usize>>) {
+    let there: Vec<(usize, Property)> = declared(any).collect();
+    let mut system = any.system.clone();
+    let mut claims = Vec::new();
+    let places = groups.iter().map(|group| {
+        let bad = |i: &usize| match there.iter().find(|(there, _)| there == i)?.1 {
+            Property::Never(bad) => Some(bad),
+            Property::AlwaysPossible(_) | Property::NeverStuck | Property::Eventually { .. } => None,
+        };
+        let bads: Vec<Lit> = group.iter().map(bad).collect::<Option<_>>()?;
+        claims.push(Property::Never(system.aig.any(&bads)));
+        Some(claims.len() - 1)
+    });
+    let places = places.collect();
+    (claiming(&system, &claims), places)
+}
+
 /// Which properties a machine keeps, of those that are asked.
 pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
     let subject = Subject::new(machine, options.program, options.open)?;
+    let any = behind_any(machine, options);
     let hopes = |i: usize| Question::Declared(i).hopes_for_a_run(machine);
     let asked: Vec<(usize, Property)> = declared(&subject).collect();
-    let answer = |system: &System, claims: &[Property]| {
+    let answer = |system: &System, claims: &[Property], groups: &[Vec<usize>]| {
         let system = claiming(system, claims);
-        engine::check(&system, None, &options.limits, options.choice, stop, &mut |_| {}).findings
+        let any = any.as_ref().map(|any| coarser(any, groups));
+        let coarser = any.as_ref().map(|(system, claims)| Coarser { system, claims: claims.clone() });
+        engine::check(&system, coarser.as_ref(), &options.limits, options.choice, stop, &mut |_| {}).findings
     };
     // All that never must be is proved as one mostly, and at less cost than each for itself.
     let is_bad = |&(i, claim): &(usize, Property)| match claim {
         Property::Never(bad) if !hopes(i) => Some(bad),
         _ => None,
     };
-    let bads: Vec<Lit> = asked.iter().filter_map(is_bad).collect();
+    let (group, bads): (Vec<usize>, Vec<Lit>) = asked.iter().filter_map(|a| Some((a.0, is_bad(a)?))).unzip();
     let mut system = subject.system.clone();
-    let any = system.aig.any(&bads);
-    let together = bads.len() > 1 && answer(&system, &[Property::Never(any)])[0].verdict == Verdict::Holds;
+    let bad = system.aig.any(&bads);
+    let together = bads.len() > 1 && answer(&system, &[Property::Never(bad)], &[group])[0].verdict == Verdict::Holds;
     let (proved, rest): (Vec<_>, Vec<_>) = asked.into_iter().partition(|a| together && is_bad(a).is_some());
     let claims: Vec<Property> = rest.iter().map(|&(_, claim)| claim).collect();
-    let kept = rest.iter().zip(answer(&system, &claims)).map(|(&(i, _), finding)| {
+    let groups: Vec<Vec<usize>> = rest.iter().map(|&(i, _)| vec![i]).collect();
+    let kept = rest.iter().zip(answer(&system, &claims, &groups)).map(|(&(i, _), finding)| {
         let kept = match finding.verdict {
             Verdict::Unknown(limit) => Kept::Unknown(limit),
             Verdict::Holds if !hopes(i) => Kept::Yes,
@@ -220,7 +243,8 @@ pub fn compare(
         Some(Asked { index: *index, here: i, certain, claim })
     });
     let asked: Vec<Asked> = asked.collect();
-    let search = Search { subject: &subject, asked: &asked, options, effort, stop };
+    let any = behind_any(&machine, options);
+    let search = Search { subject: &subject, any: any.as_ref(), asked: &asked, options, effort, stop };
     Some(match search.run()? {
         Ok(None) => Without::Kept(None),
         Ok(Some((lost, trace))) => {
@@ -248,6 +272,8 @@ struct Asked {
 
 struct Search<'s, 'm> {
     subject: &'s Subject<'m>,
+    /// The same behind any program, if that is something else.
+    any: Option<&'s Subject<'m>>,
     asked: &'s [Asked],
     options: &'s Options,
     effort: Effort,
@@ -280,39 +306,45 @@ impl Search<'_, '_> {
 
     fn search(&self, asked: &[usize]) -> Option<Found> {
         // All that never must be is one claim.
-        let never: Vec<(usize, Lit)> = asked.iter().filter_map(|&i| Some((i, self.bad(i)?))).collect();
-        let rest: Vec<usize> = asked.iter().copied().filter(|&i| self.bad(i).is_none()).collect();
+        let (never, rest): (Vec<usize>, Vec<usize>) = asked.iter().partition(|&&i| self.bad(i).is_some());
+        let rest = rest.into_iter().map(|i| vec![i]);
+        let groups: Vec<Vec<usize>> = Some(never).filter(|n| !n.is_empty()).into_iter().chain(rest).collect();
         let mut system = self.subject.system.clone();
-        let bad = system.aig.any(&never.iter().map(|&(_, bad)| bad).collect::<Vec<_>>());
-        let all = (!never.is_empty()).then_some((None, Property::Never(bad)));
-        let claims = all.into_iter().chain(rest.into_iter().map(|i| (Some(i), self.asked[i].claim)));
-        let (whose, claims): (Vec<Option<usize>>, Vec<Property>) = claims.unzip();
+        let claim = |group: &Vec<usize>| match group[..] {
+            [one] => self.asked[one].claim,
+            _ => Property::Never(system.aig.any(&group.iter().filter_map(|&i| self.bad(i)).collect::<Vec<_>>())),
+        };
+        let claims: Vec<Property> = groups.iter().map(claim).collect();
         let system = claiming(&system, &claims);
         let verdicts = match self.effort {
             Effort::Glance => self.glance(&system)?,
-            Effort::All => {
-                let limits = &self.options.limits;
-                let report = engine::check(&system, None, limits, self.options.choice, self.stop, &mut |_| {});
-                report.findings.into_iter().map(|f| f.verdict).collect()
-            }
+            Effort::All => self.check(&system, &groups),
         };
         let mut open = None;
-        for (whose, verdict) in whose.into_iter().zip(verdicts) {
-            let one = || whose.unwrap_or_else(|| never[0].0);
-            match (verdict, whose.is_some_and(|i| self.hopes(i))) {
+        for (group, verdict) in groups.iter().zip(verdicts) {
+            match (verdict, self.hopes(group[0])) {
                 (Verdict::Violated(trace), false) => {
-                    let which = whose.unwrap_or_else(|| self.which(&never, &trace));
-                    return Some(Ok(Some((which, Some(trace)))));
+                    return Some(Ok(Some((self.which(group, &trace), Some(trace)))));
                 }
-                (Verdict::Holds, true) => return Some(Ok(Some((one(), None)))),
+                (Verdict::Holds, true) => return Some(Ok(Some((group[0], None)))),
                 (Verdict::Holds, false) | (Verdict::Violated(_), true) => {}
-                (Verdict::Unknown(limit), _) => open = open.or_else(|| Some((one(), limit))),
+                (Verdict::Unknown(limit), _) => open = open.or(Some((group[0], limit))),
             }
         }
         match self.effort {
             Effort::Glance if open.is_some() => None,
             Effort::Glance | Effort::All => Some(open.map_or(Ok(None), Err)),
         }
+    }
+
+    /// The verdicts with all effort.
+    fn check(&self, system: &System, groups: &[Vec<usize>]) -> Vec<Verdict> {
+        let here = |group: &Vec<usize>| group.iter().map(|&i| self.asked[i].here).collect();
+        let any = self.any.map(|any| coarser(any, &groups.iter().map(here).collect::<Vec<_>>()));
+        let coarser = any.as_ref().map(|(system, claims)| Coarser { system, claims: claims.clone() });
+        let Options { limits, choice, .. } = self.options;
+        let report = engine::check(system, coarser.as_ref(), limits, *choice, self.stop, &mut |_| {});
+        report.findings.into_iter().map(|f| f.verdict).collect()
     }
 
     /// The verdicts that show at once: all of them, or one that something is violated.
@@ -337,11 +369,13 @@ impl Search<'_, '_> {
         Some([Verdict::Violated(trace)].into_iter().chain(rest).collect())
     }
 
-    /// Which of those a run shows that never must be.
-    fn which(&self, never: &[(usize, Lit)], trace: &Trace) -> usize {
+    /// Which of those that are claimed as one a run shows.
+    fn which(&self, group: &[usize], trace: &Trace) -> usize {
+        let [first, _, ..] = group[..] else { return group[0] };
         let replay = self.subject.system.replay(trace).expect("the engines replay what they return");
         let last = replay.values.last().expect("it has a scan");
-        never.iter().find(|&&(_, bad)| lanes(last, bad) & 1 == 1).expect("it shows one of them").0
+        let shown = |&i: &usize| self.bad(i).is_some_and(|bad| lanes(last, bad) & 1 == 1);
+        group.iter().copied().find(shown).unwrap_or(first)
     }
 
     /// Whether a run that shows it is what one hopes for.

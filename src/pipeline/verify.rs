@@ -114,11 +114,7 @@ pub fn verify(
             return (Some(verified), diagnostics);
         }
     };
-    // What holds behind any program holds behind the charts.
-    let any = match (options.program, options.choice) {
-        (Program::Chart, Choice::Automatic) => Subject::new(&verified.machine, Program::Any, options.open).ok(),
-        (Program::Chart, Choice::Only(_)) | (Program::Any, _) => None,
-    };
+    let any = behind_any(&verified.machine, options);
     let coarser = any.as_ref().map(|any| {
         let there = |q: &Question| any.questions.iter().position(|asked| asked == q);
         let claims = subject.questions.iter().map(there).collect();
@@ -145,6 +141,14 @@ pub fn verify(
     verified.scans = report.scans;
     verified.answers = answers;
     (Some(verified), diagnostics)
+}
+
+/// The machine behind any program, if that is not what is asked for anyway: what holds there holds behind the charts.
+pub(super) fn behind_any<'m>(machine: &'m Machine, options: &Options) -> Option<Subject<'m>> {
+    match (options.program, options.choice) {
+        (Program::Chart, Choice::Automatic) => Subject::new(machine, Program::Any, options.open).ok(),
+        (Program::Chart, Choice::Only(_)) | (Program::Any, _) => None,
+    }
 }
 
 /// The system of a machine, for other tools.

@@ -98,6 +98,6 @@ fn every_constraint_has_a_wrong_sequence_that_is_stopped_with_its_explanation() 
     all.extend(named.iter().cloned());
     let constraints = || by_functions.safety.constraints.values();
     assert_eq!(all, constraints().map(|c| c.name.clone()).collect());
-    assert_eq!(named.len(), 37, "by functions: {named:?}");
+    assert_eq!(named.len(), 43, "by functions: {named:?}");
     assert!(constraints().all(|c| !c.text.is_empty()), "each has an explanation");
 }

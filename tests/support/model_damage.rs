@@ -55,6 +55,7 @@ pub fn mutants(source: &str) -> Vec<Mutant> {
             part = words.get(1).map_or_else(String::new, |w| (*w).to_owned());
         }
         let code = line.split("//").next().expect("a line has a beginning");
+        let code = code.split('"').next().expect("a line has a beginning");
         let mut put = |kind, with: Option<String>, what: String| {
             let changed = lines.iter().enumerate().filter_map(|(j, l)| match (i == j, &with) {
                 (false, _) => Some((*l).to_owned()),
@@ -110,7 +111,7 @@ pub fn mutants(source: &str) -> Vec<Mutant> {
 /// The atoms of the condition that begins there, each with its place; comparisons are left out.
 fn atoms(code: &str, from: usize) -> Vec<(usize, String)> {
     let end = |word: &str| code[from..].find(word).map(|at| from + at);
-    let ends = [" yields ", " then ", "\"", "{", "}", " priority ", " drives "];
+    let ends = [" yields ", " then ", "{", "}", " priority ", " drives "];
     let end = ends.iter().filter_map(|word| end(word)).min().unwrap_or(code.len());
     let mut found = Vec::new();
     let bytes = code.as_bytes();

@@ -3,8 +3,10 @@
 use crate::support::models::{self, Model};
 use crate::support::rng::Rng;
 use crate::support::{items, random};
+use chartwright::ir::chart::Mark;
 use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
 use chartwright::pipeline::{self};
+use chartwright::simulate::frame::Layout;
 use chartwright::simulate::run::Program as Runs;
 use chartwright::simulate::scenario::play;
 use chartwright::verify::Limits;
@@ -82,6 +84,24 @@ fn a_filter_keeps_its_constraints_behind_any_program() {
             }
         }
     }
+}
+
+#[test]
+fn a_run_says_in_which_scan_a_blocking_filter_stopped_the_machine() {
+    // The simulator, which numbers the scans itself, repeats it.
+    let asked = "properties { P1: never first(S2) and prev(Ack) and Ack and Turn }";
+    let text = format!("{}\n{asked}\n", model("filter_blocking").source);
+    let verified = ask(&text, &options(true));
+    let answer = &verified.answers[0];
+    assert_eq!((answer.question, answer.status), (Question::Declared(0), Status::Violated));
+    let run = answer.run.as_ref().expect("there is a run");
+    assert_eq!(run.replayed, Some(true), "{}", run.scenario);
+    let layout = Layout::of(&verified.machine);
+    let numbers: Vec<Option<u32>> = run.frames.iter().map(|frame| layout.first_scan(frame)).collect();
+    let last = numbers.last().copied().flatten().expect("it is numbered");
+    let place = layout.mark(Mark::Noted);
+    let begins = (0..run.frames.len()).rev().find(|&i| i == 0 || !run.frames[i - 1][place]).expect("it begins");
+    assert_eq!(last as usize, begins + 1, "{numbers:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::rungs;
 use super::verify::{Options, Question, quoted, text, words};
 use crate::base::Span;
-use crate::ir::chart::{Atom, InputId, Machine, OutputId};
+use crate::ir::chart::{Atom, InputId, Machine, Mark, OutputId};
 use crate::ir::scenario::{BitId, Condition, Doing, Given, Happening, PropertyKind, Scenario, Seen, Step, Told};
 use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
@@ -153,7 +153,33 @@ fn moments(subject: &Subject<'_>, trace: &Trace) -> Vec<Moment> {
             Kind::Happens(_) => waits,
         };
     }
+    if let Some(reset) = subject.machine.safety.reset {
+        number_scans(subject.machine, reset, &mut moments);
+    }
     moments
+}
+
+/// Keeps the number of the scan in which began what the filter notes, which the system does not count.
+fn number_scans(machine: &Machine, reset: InputId, moments: &mut [Moment]) {
+    let layout = Layout::of(machine);
+    let (noted, reset) = (layout.mark(Mark::Noted), layout.input(reset));
+    let (mut scan, mut number) = (0, 0);
+    let mut before: Option<(bool, bool)> = None;
+    for moment in moments {
+        let now = (moment.frame[noted], moment.frame[reset]);
+        if moment.kind == Kind::Reads {
+            scan += 1;
+            let held = before.is_some_and(|(noted, reset)| noted && (reset || !now.1));
+            number = match (now.0, held) {
+                (false, _) => 0,
+                (true, true) => number,
+                (true, false) => scan,
+            };
+            before = Some(now);
+        }
+        moment.frame.resize(layout.frame().len(), false);
+        layout.put_first_scan(number, &mut moment.frame);
+    }
 }
 
 /// The hidden bits of which nobody knows the value to begin with, with what it is in this run.

@@ -11,9 +11,10 @@
 //! With `relief in-order` (seed 003) the machine says how many sweeps are made. That they suffice is
 //! proved as well, under the assumptions.
 
-use super::configuration;
+use super::{chart_numbers, configuration};
 use crate::bits::aig::{Aig, Lit};
 use crate::bits::sat::{Answer, Budget, Sat};
+use crate::bits::vector::Vector;
 use crate::ir::chart::{Atom, FilterMode, Machine, OutputId, Relief};
 use crate::ir::sop::{Literal, Product};
 use std::collections::HashMap;
@@ -89,9 +90,12 @@ fn sweeps_suffice(machine: &Machine, sat: &mut Sat, sweeps: usize) -> bool {
     let mut aig = Aig::new();
     let commands: Vec<Lit> = machine.outputs.values().map(|o| aig.leaf(&o.name)).collect();
     let active = configuration::active(&mut aig, machine);
+    // What is counted stays within its range, as a part of the proof shows.
+    let integers: Vec<Vector> = machine.integers.values().map(|i| configuration::within(&mut aig, i)).collect();
     let mut readings = HashMap::new();
     let mut read = |aig: &mut Aig, atom: Atom| match atom {
         Atom::In(s) => active[s.index()],
+        Atom::Compare(c) => chart_numbers::compare(aig, &machine.comparisons[c], &integers),
         other => *readings.entry(other).or_insert_with(|| aig.leaf(machine.atom(other))),
     };
     let mut run = Run::new(&mut aig, machine, &commands, &mut read);

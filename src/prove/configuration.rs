@@ -111,7 +111,7 @@ pub fn confused(aig: &mut Aig, machine: &Machine, region: RegionId, after: &Char
 ///
 /// As many free bits as the range needs say how far the value is from the lowest one. What would be too far is
 /// brought back by leaving the highest bit out: every value of the range is some assignment of the bits.
-fn within(aig: &mut Aig, integer: &Integer) -> Vector {
+pub fn within(aig: &mut Aig, integer: &Integer) -> Vector {
     let Range { lowest, highest } = integer.range;
     let count = highest - lowest;
     let needed = 64 - count.leading_zeros();

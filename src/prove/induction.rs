@@ -140,42 +140,23 @@ pub fn cut(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>)
         None => Both::power_up(pair),
         Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
     };
-    let of = |wanted: fn(&Part) -> Option<usize>| {
-        let mut latches: Vec<(usize, usize)> =
-            matched.parts.iter().filter_map(|(part, latch)| Some((wanted(part)?, *latch))).collect();
-        latches.sort_unstable();
-        latches
-    };
-    let commands = of(|part| if let Part::Command(o) = part { Some(o.index()) } else { None });
-    let outputs = of(|part| if let Part::Output(o) = part { Some(o.index()) } else { None });
-    let last = pair.program.last_writers();
-    let mut free = vec![Lit::FALSE; pair.machine.outputs.len()];
-    let chart = both.chart.clone();
-    let state = both.run(matched, &mut |aig, program, state| {
-        // Of these it is known what they are.
-        for &(part, latch) in matched.parts.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
-            if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_) | Part::Bit(..)) {
-                state[latch] = part.after(&chart);
-            }
-        }
-        for &(output, latch) in commands.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
-            free[output] = aig.leaf(format!("command {output}"));
-            state[latch] = free[output];
-        }
-    });
-    let outputs = outputs.iter().map(|&(_, latch)| state[latch]).collect();
+    let (commands, outputs) = both.cut(matched);
     let Both { aig, before, inputs, chart, given, .. } = both;
-    Cut { aig, before, inputs, chart, commands: free, outputs, given }
+    Cut { aig, before, inputs, chart, commands, outputs, given }
 }
 
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
 /// known by construction; returns how many were found. What is found is a guess and becomes a claim.
-/// Latches that `hopeless` names are left alone.
-pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>) -> usize {
+/// Latches that `hopeless` names are left alone. With `any_commands` those matter, too, that do so only for commands which the
+/// chart never gives.
+pub fn guess(pair: Pair<'_>, matched: &mut Match, hopeless: &BTreeSet<usize>, any_commands: bool) -> usize {
     let mut both = Both::anywhere(pair, matched);
     let before = both.program.clone();
     let after = both.run(matched, &mut |_, _, _| {});
-    let claimed: Vec<Lit> = claims(pair.program, matched).iter().map(|c| after[c.latch()]).collect();
+    let mut claimed: Vec<Lit> = claims(pair.program, matched).iter().map(|c| after[c.latch()]).collect();
+    if any_commands {
+        claimed.extend(both.cut(matched).1);
+    }
     let unknown: BTreeMap<usize, usize> = (0..matched.meanings.len())
         .filter(|l| matched.meanings[*l].is_none() && !hopeless.contains(l))
         .map(|l| (before[l].node(), l))
@@ -351,6 +332,34 @@ impl<'a> Both<'a> {
             });
         }
         self.pair.program.scan(&mut self.aig, &self.program, &inputs, &clocks, after)
+    }
+
+    /// Runs the program's scan with free commands in place of those that it computes; returns them, and what it lets through.
+    fn cut(&mut self, matched: &Match) -> (Vec<Lit>, Vec<Lit>) {
+        let of = |wanted: fn(&Part) -> Option<usize>| {
+            let mut latches: Vec<(usize, usize)> =
+                matched.parts.iter().filter_map(|(part, latch)| Some((wanted(part)?, *latch))).collect();
+            latches.sort_unstable();
+            latches
+        };
+        let commands = of(|part| if let Part::Command(o) = part { Some(o.index()) } else { None });
+        let outputs = of(|part| if let Part::Output(o) = part { Some(o.index()) } else { None });
+        let last = self.pair.program.last_writers();
+        let mut free = vec![Lit::FALSE; self.pair.machine.outputs.len()];
+        let chart = self.chart.clone();
+        let state = self.run(matched, &mut |aig, program, state| {
+            // Of these it is known what they are.
+            for &(part, latch) in matched.parts.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+                if matches!(part, Part::Flag(_) | Part::Step(_) | Part::Variable(_) | Part::Bit(..)) {
+                    state[latch] = part.after(&chart);
+                }
+            }
+            for &(output, latch) in commands.iter().filter(|(_, latch)| last[*latch] == Some(program)) {
+                free[output] = aig.leaf(format!("command {output}"));
+                state[latch] = free[output];
+            }
+        });
+        (free, outputs.iter().map(|&(_, latch)| state[latch]).collect())
     }
 
     /// Assumes all claims and returns what the program remembers then.

@@ -5,9 +5,9 @@
 //! been seen. A solver helps in two ways: from memories in the pool it looks for inputs that show a
 //! difference within a few scans, and where a transition has not fired yet for inputs that make it fire.
 //!
-//! Chance does not get far along a sequence that every other button takes back to its beginning. So at last the
-//! solver leads from one transition that has not fired to the next, each from memories in which its source is active,
-//! and then looks for a difference from memories that show all states.
+//! Chance does not get far along a sequence that every other button takes back to its beginning. So the solver leads
+//! from one transition that has not fired to the next, each from memories in which its source is active, and chance goes on
+//! from there. At last the solver looks for a difference from memories that show all states.
 //!
 //! Finding nothing proves nothing. What is counted is work and not time, so that every run ends alike.
 
@@ -50,6 +50,9 @@ const POOL: usize = 4_000;
 /// Most memories that are kept for each state which is active in them.
 const PLACES: usize = 6;
 
+/// Attempts to lead on before everything else is tried.
+const LED_FIRST: usize = 600;
+
 /// How many scans ahead a solver leads.
 const LED: [usize; 2] = [2, 5];
 
@@ -70,6 +73,8 @@ struct Search<'a> {
     /// For each state, entries of the pool in which it is active.
     places: Vec<Vec<usize>>,
     fired: Vec<bool>,
+    /// Where a solver has been asked to make a transition fire: which, from what entry of the pool, within how many scans.
+    tried: HashSet<(usize, usize, usize)>,
     /// A pause after which every time has passed.
     long: Time,
     sat: &'a mut Sat,
@@ -84,10 +89,23 @@ pub fn search(joint: &Joint, sat: &mut Sat, effort: Effort) -> Option<Vec<Stimul
         configurations: HashSet::new(),
         places: vec![Vec::new(); joint.states],
         fired: vec![false; joint.half(false).fires.len()],
+        tried: HashSet::new(),
         long: joint.times.iter().copied().max().unwrap_or(0).max(joint.cycle),
         sat,
     };
-    let found = search.first().or_else(|| search.explore(effort)).or_else(|| search.lead(effort))?;
+    let mut found = search.first();
+    if effort.led > 0 {
+        // What lies deep is led to before much is asked.
+        found = found.or_else(|| search.explore(Effort::FIRST));
+        found = found.or_else(|| search.lead(LED_FIRST.min(effort.led)));
+        found = found.or_else(|| search.roam(effort));
+    }
+    found = found.or_else(|| search.explore(effort));
+    if effort.led > 0 {
+        found = found.or_else(|| search.lead(effort.led));
+        found = found.or_else(|| search.ask_everywhere());
+    }
+    let found = found?;
     Some(shorten(joint, found))
 }
 
@@ -214,6 +232,9 @@ impl Search<'_> {
             for (places, _) in self.places.iter_mut().zip(&active).filter(|(_, active)| **active) {
                 if places.len() < PLACES {
                     places.push(entry);
+                } else {
+                    // Who comes late has come far, mostly.
+                    places[self.random.below(PLACES)] = entry;
                 }
             }
             self.pool.push(Reached { memory, from, by });
@@ -300,16 +321,14 @@ impl Search<'_> {
         None
     }
 
-    /// Leads along transitions that have not fired yet, then looks for a difference wherever it has come.
-    fn lead(&mut self, effort: Effort) -> Option<Vec<Stimulus>> {
-        let mut left = effort.led;
-        let mut tried = HashSet::new();
+    /// Leads along transitions that have not fired yet, with so many attempts.
+    fn lead(&mut self, mut left: usize) -> Option<Vec<Stimulus>> {
         let mut goes_on = true;
         while std::mem::take(&mut goes_on) {
             for t in 0..self.fired.len() {
                 let goal = self.joint.half(false).fires[t];
                 for (entry, scans) in self.ways(self.joint.sources[t]) {
-                    if self.fired[t] || goal == Lit::FALSE || left == 0 || !tried.insert((t, entry, scans)) {
+                    if self.fired[t] || goal == Lit::FALSE || left == 0 || !self.tried.insert((t, entry, scans)) {
                         continue;
                     }
                     left -= 1;
@@ -323,10 +342,23 @@ impl Search<'_> {
                 }
             }
         }
-        // Who was led far is asked first.
+        None
+    }
+
+    /// Goes on by chance from where it was led to, from each state as often as from another one.
+    fn roam(&mut self, effort: Effort) -> Option<Vec<Stimulus>> {
+        let states: Vec<usize> = (0..self.joint.states).filter(|&s| !self.places[s].is_empty()).collect();
+        (0..effort.runs).find_map(|_| {
+            let places = &self.places[states[self.random.below(states.len())]];
+            let start = places[self.random.below(places.len())];
+            self.run(start, effort.scans)
+        })
+    }
+
+    /// Looks for a difference wherever it has come. Who was led far is asked first.
+    fn ask_everywhere(&mut self) -> Option<Vec<Stimulus>> {
         let mut asked = HashSet::new();
-        let states = 0..if effort.led > 0 { self.joint.states } else { 0 };
-        let mut ways: Vec<(usize, usize)> = states.flat_map(|s| self.ways(s)).collect();
+        let mut ways: Vec<(usize, usize)> = (0..self.joint.states).flat_map(|s| self.ways(s)).collect();
         ways.sort_by_key(|&(entry, scans)| (scans, std::cmp::Reverse(entry)));
         ways.into_iter().filter(|way| asked.insert(*way)).find_map(|(entry, scans)| self.ask(entry, scans))
     }

@@ -161,8 +161,9 @@ pub fn check(
                 exact = explore(&mut check, more);
             }
             if check.count() > 0 {
-                check.plan(&states);
+                check.plan(&states, possible::SHORT, (5 * GLANCE).min(limits.conflicts));
                 check.ask(coarser);
+                check.prove_together((30 * GLANCE).min(limits.conflicts));
                 if late {
                     check.look_ahead(limits.scans, AHEAD);
                 }
@@ -174,6 +175,7 @@ pub fn check(
             if check.count() > 0 {
                 check.look_ahead(limits.scans, u64::MAX);
                 check.prove(limits.conflicts);
+                check.plan(&states, possible::LONG, limits.conflicts);
                 limit = Limit::Scans;
             }
         }
@@ -187,7 +189,8 @@ pub fn check(
         }
         Choice::Only(Engine::Proof) => {
             check.prove(limits.conflicts);
-            check.plan(&[]);
+            check.plan(&[], possible::SHORT, (5 * GLANCE).min(limits.conflicts));
+            check.plan(&[], possible::LONG, limits.conflicts);
         }
         Choice::Only(Engine::Chance) => drop(check.wander()),
     }
@@ -307,9 +310,11 @@ impl Check<'_, '_, '_> {
         walk.states
     }
 
-    /// Tries to prove what is claimed to stay possible, from some reachable states on.
-    fn plan(&mut self, states: &[Vec<bool>]) {
-        for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate() {
+    /// Tries to prove what is claimed to stay possible, by plans of so many scans at most and from some reachable states on.
+    fn plan(&mut self, states: &[Vec<bool>], longest: usize, conflicts: u64) {
+        let limits = Limits { conflicts, scans: longest.min(self.limits.scans), ..*self.limits };
+        // What is asked of every machine stands behind what a model declares, and mostly takes less.
+        for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate().rev() {
             let goal = match *property {
                 Property::AlwaysPossible(goal) => goal,
                 Property::NeverStuck => Lit::TRUE,
@@ -320,7 +325,7 @@ impl Check<'_, '_, '_> {
             }
             let progress = &mut *self.progress;
             let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
-            match possible::prove(self.system, goal, states, &self.known, self.limits, self.stop, &mut told) {
+            match possible::prove(self.system, goal, states, &self.known, &limits, self.stop, &mut told) {
                 Ok(()) => self.settle(claim, Engine::Proof, Ok(())),
                 Err(limit) => self.gave_up[claim] = Some(limit),
             }

@@ -12,8 +12,11 @@ use super::limits::{Limit, Limits, Stop};
 use super::pdr::{self, Cube, Proof};
 use super::system::{System, Trace};
 
+/// Scans of plans that are found soon.
+pub const SHORT: usize = 12;
+
 /// Scans of the longest plan.
-const LENGTH: usize = 60;
+pub const LONG: usize = 60;
 
 /// Plans after which it gives up.
 const PLANS: usize = 40;
@@ -25,7 +28,7 @@ const QUESTION: u64 = 5_000;
 type Plan = Vec<Vec<bool>>;
 
 /// Says so if every run can be continued to a scan in which `goal` is TRUE. `states` are some that are reachable, `known` cubes in
-/// which no reachable state is.
+/// which no reachable state is. No plan is longer than the scans that `limits` allows.
 pub fn prove(
     system: &System,
     goal: Lit,
@@ -45,7 +48,7 @@ pub fn prove(
             if plans.len() == PLANS {
                 return Err(Limit::Plans);
             }
-            plans.push(plan(system, goal, state, stop)?);
+            plans.push(plan(system, goal, limits.scans, state, stop)?);
         }
         let (covered, bad) = cover(system, goal, &plans);
         match pdr::prove(&covered, bad, &known, limits, stop, progress)? {
@@ -93,11 +96,11 @@ fn reaches(system: &System, goal: Lit, plan: &Plan, states: &[Vec<bool>]) -> u64
 }
 
 /// Inputs that lead from a state to the goal, as few as there are.
-fn plan(system: &System, goal: Lit, state: &[bool], stop: Stop<'_>) -> Result<Plan, Limit> {
+fn plan(system: &System, goal: Lit, longest: usize, state: &[bool], stop: Stop<'_>) -> Result<Plan, Limit> {
     let mut from = system.clone();
     from.latches.iter_mut().zip(state).for_each(|(l, &value)| l.initial = Some(value));
     let mut bounded = Bounded::new(&from, &[goal], stop);
-    for _ in 0..LENGTH {
+    for _ in 0..longest {
         bounded.scan();
         if let Some(run) = bounded.find(0, &mut { QUESTION })? {
             return Ok(run.inputs);

@@ -29,7 +29,17 @@ pub fn explore(system: &System, limits: &Limits, stop: Stop<'_>, progress: &mut 
     let mut explored = Explored { verdicts: vec![None; claims.len()], states: None, scans: 0, limit: None };
     let asked: Vec<Lit> = claims.iter().filter_map(|c| literal(c.property)).collect();
     let outcome = Relation::new(system, &asked, limits, stop).and_then(|relation| {
-        let search = Search { system, claims, relation, rings: Vec::new(), reached: Edge::FALSE, stop };
+        let search = Search {
+            system,
+            claims,
+            relation,
+            rings: Vec::new(),
+            reached: Edge::FALSE,
+            from: Edge::FALSE,
+            looked: 0,
+            unseen: Edge::FALSE,
+            stop,
+        };
         search.run(&mut explored, progress)
     });
     explored.limit = outcome.err();
@@ -50,6 +60,12 @@ struct Search<'s, 'a> {
     /// States first met after 0, 1, 2, … scans.
     rings: Vec<Edge>,
     reached: Edge,
+    /// The newest ring, and of what was reached before it as much as makes it small: nothing new comes from there.
+    from: Edge,
+    /// How many rings have been looked at.
+    looked: usize,
+    /// Those together that are being looked at.
+    unseen: Edge,
     stop: Stop<'a>,
 }
 
@@ -57,17 +73,23 @@ impl Search<'_, '_> {
     fn run(mut self, explored: &mut Explored, progress: &mut dyn FnMut(usize)) -> Result<(), Limit> {
         let mut fresh = self.relation.initial;
         self.reached = fresh;
+        self.from = fresh;
         while fresh != Edge::FALSE {
             self.rings.push(fresh);
             explored.scans = self.rings.len() - 1;
             progress(explored.scans);
-            self.look(explored)?;
+            // Of many rings together a claim is asked at once: which of them shows it is found out only if one does.
+            if self.rings.len() >= self.looked + (self.looked / 4).max(1) {
+                self.look(explored)?;
+            }
             self.make_room();
             let keep = self.keep();
-            let after = self.relation.image(fresh, &keep)?;
+            let after = self.relation.image(self.from, &keep)?;
             fresh = self.relation.bdd.and(after, !self.reached)?;
+            self.from = self.relation.bdd.restrict(fresh, !self.reached)?;
             self.reached = self.relation.bdd.or(self.reached, fresh)?;
         }
+        self.look(explored)?;
         explored.states = Some(self.relation.bdd.count(self.reached, &self.relation.now));
         for (i, claim) in self.claims.iter().enumerate() {
             if explored.verdicts[i].is_some() || matches!(claim.property, Property::Eventually { .. }) {
@@ -94,7 +116,7 @@ impl Search<'_, '_> {
 
     /// All that must not be lost.
     fn keep(&self) -> Vec<Edge> {
-        self.rings.iter().copied().chain([self.reached]).collect()
+        self.rings.iter().copied().chain([self.reached, self.from, self.unseen]).collect()
     }
 
     /// The index by which the relation knows a claim's literal.
@@ -102,9 +124,12 @@ impl Search<'_, '_> {
         self.claims[..claim].iter().filter(|c| literal(c.property).is_some()).count()
     }
 
-    /// Looks at the newest ring.
+    /// Looks at those rings at which nobody has looked yet.
     fn look(&mut self, explored: &mut Explored) -> Result<(), Limit> {
-        let ring = *self.rings.last().expect("there is a ring");
+        self.unseen = Edge::FALSE;
+        for ring in std::mem::replace(&mut self.looked, self.rings.len())..self.rings.len() {
+            self.unseen = self.relation.bdd.or(self.unseen, self.rings[ring])?;
+        }
         for (i, claim) in self.claims.iter().enumerate() {
             if explored.verdicts[i].is_some() {
                 continue;
@@ -113,14 +138,14 @@ impl Search<'_, '_> {
             let (found, bad) = match claim.property {
                 Property::Never(bad) => {
                     let asked = self.index(i);
-                    if !self.relation.is_possible(asked, ring, &keep)? {
+                    if !self.relation.is_possible(asked, self.unseen, &keep)? {
                         continue;
                     }
-                    (self.relation.possible(asked, ring, &keep)?, Some(bad))
+                    (self.relation.possible(asked, self.unseen, &keep)?, Some(bad))
                 }
                 Property::NeverStuck => {
-                    let alive = self.relation.possible(self.relation.anything(), ring, &keep)?;
-                    (self.relation.bdd.and(ring, !alive)?, None)
+                    let alive = self.relation.possible(self.relation.anything(), self.unseen, &keep)?;
+                    (self.relation.bdd.and(self.unseen, !alive)?, None)
                 }
                 Property::AlwaysPossible(_) | Property::Eventually { .. } => continue,
             };

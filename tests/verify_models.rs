@@ -104,6 +104,36 @@ fn a_run_says_in_which_scan_a_blocking_filter_stopped_the_machine() {
     assert_eq!(last as usize, begins + 1, "{numbers:?}");
 }
 
+/// The last of some scans in a row, ordered down and not there, that are possible with such a travel.
+fn latest(plant: &str, travels: &str) -> usize {
+    let states: Vec<String> = (1..=8).map(|i| format!("state S{i}")).collect();
+    let steps: Vec<String> = (1..8).map(|i| format!("from S{i} to S{} when not Down", i + 1)).collect();
+    let asked: Vec<String> = (1..=8).map(|i| format!("P{i}: never in(S{i}) and not Down")).collect();
+    let text = format!(
+        "machine M\ncycle 10ms\ninputs {{ Go Up Down }}\noutputs {{ RAM }}\n\
+         actuator Ram monostable {{ position Top sensor Up position Bottom output RAM sensor Down }}\n\
+         chart C {{ initial state Off state On {{ drives RAM initial {} {} }} from Off to On when Go }}\n\
+         {plant} {{ Ram travels {travels} }}\nproperties {{ {} }}\n",
+        states.join(" "),
+        steps.join(" "),
+        asked.join(" ")
+    );
+    let verified = ask(&text, &options(false));
+    (0..8).filter(|&i| status(&verified, Question::Declared(i)) == Status::Violated).count()
+}
+
+#[test]
+fn what_travels_at_most_so_long_is_there_in_time() {
+    // In the scan that orders it, it is not there, and then for a scan less than it may take.
+    for (scans, time) in [(1, "10ms"), (2, "20ms"), (3, "30ms"), (5, "50ms"), (6, "60ms")] {
+        assert_eq!(latest("plant", &format!("at most {time}")), scans, "{time}");
+        // Outputs may be written late in the scan.
+        assert_eq!(latest("plant by steps", &format!("at most {time}")), scans + 1, "{time}");
+    }
+    assert_eq!(latest("plant", "20ms"), 8);
+    assert_eq!(latest("plant by steps", "20ms"), 8);
+}
+
 #[test]
 fn every_run_of_small_models_is_one_of_the_simulator() {
     let mut runs = 0;

@@ -501,11 +501,13 @@ pub struct Hidden {
     pub description: Option<Text>,
 }
 
-/// `Vertical travels 300ms back 200ms while driven when ENP "…"`.
+/// `Vertical travels at most 300ms back 200ms while driven when ENP "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Travel {
     /// The actuator.
     pub actuator: Name,
+    /// `at most`: it is never slower.
+    pub at_most: bool,
     /// From the first position to the second.
     pub out: Time,
     /// From the second position to the first, if it takes another time.

@@ -159,6 +159,8 @@ pub struct Travel {
     pub actuator: ActuatorId,
     /// What its outputs do.
     pub valve: Valve,
+    /// Whether it is known never to take longer, as long as it is ordered there and has what it needs.
+    pub at_most: bool,
     /// Scans from the first position to the second; at least one.
     pub out: u32,
     /// Scans from the second position to the first; at least one.

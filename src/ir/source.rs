@@ -163,8 +163,13 @@ impl Writer {
             for t in &p.travels {
                 let back = t.back.map(|b| format!(" back {}", time(&b))).unwrap_or_default();
                 let driven = if t.driven.is_some() { " while driven" } else { "" };
+                let most = if t.at_most { "at most " } else { "" };
                 let (name, out) = (&t.actuator.text, time(&t.out));
-                w.line(format_args!("{name} travels {out}{back}{driven}{}{}", when(&t.power), text(&t.description)))?;
+                w.line(format_args!(
+                    "{name} travels {most}{out}{back}{driven}{}{}",
+                    when(&t.power),
+                    text(&t.description)
+                ))?;
             }
             p.rules.iter().try_for_each(|r| {
                 let verb = match r.change {

@@ -184,9 +184,11 @@ fn happening(p: Pair<'_, Rule>) -> Happening {
 
 fn travel(p: Pair<'_, Rule>) -> Travel {
     let (mut actuator, mut times, mut driven, mut power, mut description) = (None, Vec::new(), None, None, None);
+    let mut at_most = false;
     for p in p.into_inner() {
         match p.as_rule() {
             Rule::name => actuator = Some(name(p)),
+            Rule::at_most => at_most = true,
             Rule::time => times.push(time(p)),
             Rule::driven => driven = Some(span(&p)),
             Rule::expression => power = Some(guard(p)),
@@ -195,7 +197,7 @@ fn travel(p: Pair<'_, Rule>) -> Travel {
         }
     }
     let actuator = actuator.expect("what travels has a name");
-    Travel { actuator, out: times[0], back: times.get(1).copied(), driven, power, description }
+    Travel { actuator, at_most, out: times[0], back: times.get(1).copied(), driven, power, description }
 }
 
 fn rule(p: Pair<'_, Rule>) -> ast::Rule {

@@ -106,7 +106,16 @@ fn travel(
     for sensor in &sensors {
         sensed[sensor.input.index()] = Some(span);
     }
-    r.machine.plant.travels.push(Travel { actuator: id, valve, out, back, power, sensors, span });
+    r.machine.plant.travels.push(Travel {
+        actuator: id,
+        valve,
+        at_most: written.at_most,
+        out,
+        back,
+        power,
+        sensors,
+        span,
+    });
 }
 
 fn power(r: &mut Resolver, written: &ast::Travel) -> crate::ir::scenario::Condition {

@@ -2,7 +2,7 @@
 //!
 //! It is that of [`scenario`](crate::ir::scenario), with times left open. An actuator that is on its way may make
 //! progress in a scan or not; it is at least one scan between its positions if it travels for more than
-//! one, and otherwise as long as it likes. A rule with a delay fires in any scan in which its condition holds
+//! one, and otherwise as long as it likes, or is allowed to. A rule with a delay fires in any scan in which its condition holds
 //! as it did in the scan before, or does not fire. So everything that the plant can do at any speed is covered, and
 //! more: a counterexample may need an actuator that stands still.
 //!
@@ -268,6 +268,18 @@ impl Moving<'_> {
         })
     }
 
+    /// For each position of an actuator that is never slower than it says, how often it has been on its way there without
+    /// arriving, up to one scan less than it may take and `more`.
+    pub fn ways(&self, system: &mut System, travel: &Travel, more: u32) -> Option<[Way; 2]> {
+        let actuator = &self.machine.actuators[travel.actuator];
+        let scans = [travel.back, travel.out];
+        let way = |p: usize| {
+            let name = format!("{} to {}", actuator.name, actuator.positions[p].name);
+            Way::new(system, &name, scans[p] - 1 + more)
+        };
+        travel.at_most.then(|| [0, 1].map(way))
+    }
+
     /// Sensors follow from where the actuator is.
     pub fn sense(&mut self, travel: &Travel, at: [Lit; 2]) {
         for sensor in &travel.sensors {
@@ -297,24 +309,36 @@ impl Moving<'_> {
         let toward = toward.map(|t| system.aig.and(t, self.started));
         let latches = system.latches.len();
         let at = self.at(system, travel.actuator);
+        let ways = self.ways(system, travel, 0);
         let leaves = system.input(format!("{} gets away", actuator.name), Giver::Plant);
         let arrives = system.input(format!("{} arrives", actuator.name), Giver::Plant);
         let aig = &mut system.aig;
         let scans = [travel.back, travel.out];
+        // When it has to have left the other position, and to arrive.
+        let late = match &ways {
+            Some(ways) => [0, 1].map(|p| [ways[p].is_at_least(aig, scans[p].saturating_sub(2)), ways[p].is_over(aig)]),
+            None => [[Lit::FALSE; 2]; 2],
+        };
         let mut then = [Lit::FALSE; 2];
         // Whether it arrives at a position in this scan, from the other one only if that takes one scan.
         let arrived = [0, 1].map(|p| {
             let near = if scans[p] > 1 { aig.and(arrives, !at[1 - p]) } else { arrives };
+            let near = aig.or(near, late[p][1]);
             aig.and(toward[p], near)
         });
         for p in [0, 1] {
             let gets_away = aig.or(leaves, arrived[1 - p]);
+            let gets_away = aig.or(gets_away, late[1 - p][0]);
             let gone = aig.and(toward[1 - p], gets_away);
             let stays = aig.and(at[p], !gone);
             then[p] = aig.or(stays, arrived[p]);
         }
         for p in [0, 1] {
             system.latches[latches + p].next = then[p];
+        }
+        for (p, way) in ways.iter().flatten().enumerate() {
+            let on = system.aig.and(toward[p], !then[p]);
+            way.go_on(system, on, Lit::TRUE);
         }
         for p in [0, 1] {
             // An actuator that is ordered for ever arrives.
@@ -323,5 +347,45 @@ impl Moving<'_> {
             system.fairness(format!("{} to {}", actuator.name, actuator.positions[p].name), there);
         }
         self.sense(travel, then);
+    }
+}
+
+/// How often in a row an actuator has been on its way to a position without arriving, up to the most that is possible.
+pub struct Way {
+    first: usize,
+    count: Vector,
+    most: u32,
+}
+
+impl Way {
+    fn new(system: &mut System, name: &str, most: u32) -> Way {
+        let first = system.latches.len();
+        let bits = u32::BITS - most.leading_zeros();
+        let mut count: Vector =
+            (0..bits).map(|i| system.latch(format!("bit {i} of the time on the way of {name}"), Some(false))).collect();
+        count.push(Lit::FALSE);
+        Way { first, count, most }
+    }
+
+    fn is_at_least(&self, aig: &mut Aig, least: u32) -> Lit {
+        !vector::less(aig, &self.count, &vector::constant(i64::from(least)))
+    }
+
+    /// Whether it cannot be on its way any more.
+    pub fn is_over(&self, aig: &mut Aig) -> Lit {
+        self.is_at_least(aig, self.most)
+    }
+
+    /// One more time when it `counts` if it is on its way, from the beginning if not.
+    pub fn go_on(&self, system: &mut System, is_on: Lit, counts: Lit) {
+        let aig = &mut system.aig;
+        let more = vector::add(aig, &self.count, &vector::constant(1));
+        let over = self.is_over(aig);
+        let more = vector::select(aig, over, &self.count, &more);
+        let more = vector::select(aig, counts, &more, &self.count);
+        let next = vector::select(aig, is_on, &more, &vector::constant(0));
+        for (i, &bit) in vector::fit(&next, self.count.len() - 1).iter().enumerate() {
+            system.latches[self.first + i].next = bit;
+        }
     }
 }

@@ -126,6 +126,7 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     // For each travel, where it is, with the latch; what its valve was ordered, with the latch.
     let mut places = Vec::new();
     let mut valves = Vec::new();
+    let mut ways = Vec::new();
     for travel in &machine.plant.travels {
         let ordered = match travel.valve {
             Valve::WhileDriven => plant.driven(&mut system.aig, travel.actuator, &plant.outputs).0,
@@ -145,6 +146,10 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
         (0..2).for_each(|p| system.latches[latches + p].next = at[p]);
         places.push((latches, at));
         let toward = plant.toward(&mut system.aig, travel, ordered);
+        // Outputs may be written late in a scan: so it may take a reading more.
+        for (p, way) in plant.ways(system, travel, 1).into_iter().flatten().enumerate() {
+            ways.push((way, system.aig.and(toward[p], !at[p])));
+        }
         moves.extend([0, 1].map(|p| going(system, machine, travel, p, toward[p], at, latches)));
         for p in [0, 1] {
             // An actuator that is ordered for ever arrives. Of a step that a model writes nothing is owed.
@@ -160,6 +165,13 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     let (reading, writing) = (aig.and(program, !waits), aig.and(program, waits));
     for (is, when) in [(reading, !waits), (writing, waits)] {
         system.alternatives.push(Alternative { is, when, choice: none.clone() });
+    }
+    // Nothing is read before it has arrived where it must be by then.
+    for (way, is_on) in ways {
+        way.go_on(system, is_on, reading);
+        let over = way.is_over(&mut system.aig);
+        let late = system.aig.all(&[reading, is_on, over]);
+        system.constraints.push(!late);
     }
     // The program runs again and again, whatever happens meanwhile.
     system.fairness("inputs are read", reading);

@@ -146,9 +146,10 @@ impl Writer<'_> {
                 .collect();
             let (name, sensors) = (&m.actuators[t.actuator].name, sensors.join(", "));
             let power = self.condition(&t.power);
+            let most = if t.at_most { "at most " } else { "" };
             writeln!(
                 self.out,
-                "travel {name} {:?}: {} scans out, {} back, when {power}: {sensors}",
+                "travel {name} {:?}: {most}{} scans out, {} back, when {power}: {sensors}",
                 t.valve, t.out, t.back
             )?;
         }

@@ -1,5 +1,6 @@
 //! The tests that use only the public interface, in one binary.
 
+mod boxes;
 mod cli;
 mod constraints;
 mod derive;

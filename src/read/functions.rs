@@ -81,11 +81,11 @@ pub fn read<'a>(node: Node<'a>, body: &Body<'a>, cx: &Context<'_, '_>) -> Result
         "GE" => relation(Relation::GreaterOrEqual),
         _ => return refuse(format!("the function {}", describe(node))),
     };
-    // By the names of the standard, or by their places, with EN or without it.
-    let fits = |(place, (name, expected)): (usize, (&&str, &&str))| {
-        name.eq_ignore_ascii_case(expected) || name.eq_ignore_ascii_case(&format!("In{}", place + 1 + enabled))
-    };
-    if names.len() != expected.len() || !names.iter().zip(expected).enumerate().all(fits) {
+    // All by the names of the standard, or all by their places, with EN or without it.
+    let named = names.iter().zip(expected).all(|(name, expected)| name.eq_ignore_ascii_case(expected));
+    let mut places = (1 + enabled..).zip(&names);
+    let placed = places.all(|(place, name)| name.eq_ignore_ascii_case(&format!("In{place}")));
+    if names.len() != expected.len() || !(named || placed) {
         return refuse(format!("the inputs {} of {}", names.join(", "), describe(node)));
     }
 

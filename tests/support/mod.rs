@@ -18,4 +18,5 @@ pub mod runs;
 pub mod schema;
 pub mod shrink;
 pub mod small;
+pub mod st;
 pub mod systems;

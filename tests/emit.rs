@@ -138,7 +138,10 @@ fn any_description_stays_what_it_is() {
     for program in &mut project.programs {
         program.description = evil.to_owned();
         match &mut program.body {
-            Body::Sfc(sfc) => sfc.steps[chartwright::ir::sfc::StepId::from_index(0)].description = evil.to_owned(),
+            Body::Sfc(sfc) => {
+                sfc.steps[chartwright::ir::sfc::StepId::from_index(0)].description = evil.to_owned();
+                sfc.transitions[0].description = evil.to_owned();
+            }
             Body::Ladder(ladder) => ladder.rungs[0].comment = evil.to_owned(),
         }
     }
@@ -148,8 +151,8 @@ fn any_description_stays_what_it_is() {
         assert_meaning(&project, &xml, dialect);
         let document = Document::parse(&xml).unwrap();
         let text = |n: &Node| -> String { n.descendants().filter(Node::is_text).filter_map(|t| t.text()).collect() };
-        // Project, global, four programs, two first steps, two first rungs.
-        assert_eq!(document.descendants().filter(|n| n.is_element() && text(n) == seen).count(), 10);
+        // Project, global, four programs, two first steps, two first transitions, two first rungs.
+        assert_eq!(document.descendants().filter(|n| n.is_element() && text(n) == seen).count(), 12);
     }
 }
 

@@ -37,6 +37,7 @@ mod snapshots;
 mod stability;
 mod support;
 mod text;
+mod texts;
 mod told;
 mod verify_engines;
 mod verify_eventually;

@@ -86,5 +86,6 @@ fn a_name_leads_back_to_the_model() {
     P_Region,program,,,,,program Region
     I_Region,instance,P_Region,,,,program Region
     S_Idle,step,P_Region,,,,step Idle
+    ,machine,,machine Small,,,"Small, built by hand"
     "#);
 }

@@ -173,7 +173,8 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
                 });
             }
             SfcShape::Transition { transition } => {
-                let priority = transition.map(|t| sfc.transitions[t].priority);
+                let transition = transition.map(|t| &sfc.transitions[t]);
+                let priority = transition.map(|t| t.priority);
                 numbers.tag(xml, "transition", area).attr_opt("priority", priority).with(|xml| {
                     position(xml, "position", area.x, area.y);
                     let (above, condition) = inputs.split_at(1);
@@ -182,6 +183,7 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
                     xml.element("condition", |xml| {
                         connect_in(xml, "connectionPointIn", area, area.left(), condition, &numbers);
                     });
+                    documentation(xml, transition.map_or("", |t| &t.description));
                 });
             }
             SfcShape::Convergence { axis } => {

@@ -214,7 +214,7 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
                     xml.tag("expression").text(text);
                 });
             }
-            SfcShape::Transition { .. } => {
+            SfcShape::Transition { transition } => {
                 let (above, condition) = inputs.split_at(1);
                 xml.tag("transition").attr("localId", next).with(|xml| {
                     position(xml, "position", 0, 0);
@@ -224,14 +224,15 @@ pub fn sfc(xml: &mut Xml, project: &Project, sfc: &Sfc) {
                         SfcShape::Condition { text } => text.as_str(),
                         _ => "",
                     };
-                    let list = [
-                        (attribute::NAME, text),
+                    let description = transition.map_or("", |t| &sfc.transitions[t].description);
+                    let comment = (!description.is_empty()).then_some((attribute::COMMENT, description));
+                    let rest = [
                         (attribute::EXCLUDE, "FALSE"),
                         (attribute::SYMBOL, "0"),
                         (attribute::DUPLICATION, "FALSE"),
                         (attribute::PRIORITY, "0"),
                     ];
-                    attributes(xml, list);
+                    attributes(xml, [(attribute::NAME, text)].into_iter().chain(comment).chain(rest));
                 });
             }
             SfcShape::Convergence { .. } => {

@@ -1,12 +1,14 @@
 //! PLC project to a table of its names: what each stands for in the model, and where.
 //!
 //! The table is CSV as RFC 4180 has it, but with plain line feeds. It has a row for every global, then
-//! for each program a row for itself, its instance and its steps, all in the order of the project:
+//! for each program a row for itself, its instance, its steps and those of its transitions of which the
+//! model says something, all in the order of the project, and last a row for each text of the model on
+//! something else that the project has no name for:
 //!
 //! | column | holds |
 //! | --- | --- |
-//! | `name` | the name in the PLC project |
-//! | `kind` | `input`, `output`, … for a global; `program`, `instance`, `step` |
+//! | `name` | the name in the PLC project, if it has one |
+//! | `kind` | `input`, `output`, … for a global; `program`, `instance`, `step`, `transition`; `machine`, `chart`, `observer`, `actuator`, `position`, `property` |
 //! | `program` | the program that it belongs to, if it belongs to one |
 //! | `model` | what it stands for, in the model's names; empty for what only the compiler needs |
 //! | `line`, `column` | where that is declared, counted from 1; empty if nowhere |
@@ -29,6 +31,9 @@ pub fn table(project: &Project, lines: &LineIndex) -> String {
                 for step in sfc.steps.values() {
                     table.row(&step.name, "step", &program.name, &step.origin, &step.description);
                 }
+                for t in sfc.transitions.iter().filter(|t| !t.description.is_empty()) {
+                    table.row("", "transition", &program.name, &t.origin, &t.description);
+                }
             }
             Body::Ladder(ladder) => {
                 // A timer may be called by several rungs; it is one thing.
@@ -41,6 +46,13 @@ pub fn table(project: &Project, lines: &LineIndex) -> String {
                 }
             }
         }
+    }
+    if !project.description.is_empty() {
+        let what = Origin { what: format!("machine {}", project.name), span: None };
+        table.row("", "machine", "", &what, &project.description);
+    }
+    for note in &project.notes {
+        table.row("", note.kind, "", &note.origin, &note.text);
     }
     table.csv
 }

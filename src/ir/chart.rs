@@ -205,6 +205,8 @@ pub struct Position {
     /// What happens in a movement to it that takes too long. It has become an internal
     /// [`Transition`] of each movement, which is tried last.
     pub limit: Option<Limit>,
+    /// What it is.
+    pub description: String,
     /// Where it is declared.
     pub span: Span,
 }
@@ -302,6 +304,8 @@ pub struct Region {
     pub entries: Vec<(Guard, StateId)>,
     /// … or else this one. All of them are states of the region.
     pub initial: StateId,
+    /// Why it begins at each of `entries`, then why at `initial`; missing where nothing is said.
+    pub reasons: Vec<String>,
     /// Where it is declared.
     pub span: Span,
 }

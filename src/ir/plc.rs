@@ -29,6 +29,19 @@ pub struct Project {
     pub programs: Vec<Program>,
     /// The one task.
     pub task: Task,
+    /// What the model says of that for which no name of the project stands.
+    pub notes: Vec<Note>,
+}
+
+/// A text of the model on something that has no name of its own in the project, such as an actuator.
+#[derive(Clone, Debug)]
+pub struct Note {
+    /// What kind of thing it is, in one word.
+    pub kind: &'static str,
+    /// What the model says of it.
+    pub text: String,
+    /// What it is in the model.
+    pub origin: Origin,
 }
 
 /// A global variable.

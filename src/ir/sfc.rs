@@ -49,6 +49,8 @@ pub struct Transition {
     pub priority: u32,
     /// What must hold.
     pub condition: Expr<GlobalId>,
+    /// Why it is there, for the reader of the PLC project.
+    pub description: String,
     /// What it stands for in the model.
     pub origin: Origin,
 }

@@ -97,7 +97,7 @@ fn steps(text: &mut String, project: &Project, sfc: &Sfc) {
             write!(text, "    {}: {from} -> {to} when ", t.priority).expect(INFALLIBLE);
             let name = &mut |&g: &GlobalId, f: &mut dyn Write| f.write_str(&project.globals[g].name);
             t.condition.write(text, &IEC, name).expect(INFALLIBLE);
-            text.push('\n');
+            described(text, &t.description);
         }
     }
 }

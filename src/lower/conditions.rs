@@ -114,7 +114,7 @@ impl Context<'_> {
             return id;
         }
         let (name, what, span) = self.about("En", transition);
-        let text = format!("{what} is enabled");
+        let text = self.says_of(transition, "is enabled");
         let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
         self.conditions.enabled.insert(transition, id);
         let t = &self.machine.transitions[transition];
@@ -187,7 +187,7 @@ impl Context<'_> {
             return id;
         }
         let (name, what, span) = self.about("Go", transition);
-        let text = format!("{what} fires");
+        let text = self.says_of(transition, "fires");
         let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
         self.conditions.fires.insert(transition, id);
         let t = &self.machine.transitions[transition];

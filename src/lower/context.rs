@@ -215,6 +215,12 @@ impl<'m> Context<'m> {
         }
     }
 
+    /// What is the case with a transition, and why the transition is there.
+    pub fn says_of(&self, transition: TransitionId, says: &str) -> String {
+        let text = format!("{} {says}", self.about_transition(transition));
+        with_reason(text, &self.machine.transitions[transition].description)
+    }
+
     /// Whether every region of the state is in a final state, by the flags as they are.
     pub fn done_by_flags(&self, state: StateId) -> Condition {
         Expr::all(self.machine.states[state].regions.iter().map(|&r| {
@@ -223,6 +229,11 @@ impl<'m> Context<'m> {
             Expr::any(finals.map(|s| Expr::Atom(self.flags[s.index()])).collect::<Vec<_>>())
         }))
     }
+}
+
+/// A text of the compiler, and that of the model if there is one.
+pub fn with_reason(text: String, reason: &str) -> String {
+    if reason.is_empty() { text } else { format!("{text}: {reason}") }
 }
 
 /// What stands at a place of the model.

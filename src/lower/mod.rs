@@ -30,6 +30,7 @@ mod entries;
 mod filter;
 mod integers;
 mod names;
+mod notes;
 mod observers;
 mod outputs;
 mod regions;
@@ -110,5 +111,6 @@ pub fn lower(machine: &Machine) -> Project {
         globals: context.globals,
         programs,
         task,
+        notes: notes::of(machine),
     }
 }

@@ -61,7 +61,7 @@ fn decide(context: &mut Context<'_>, rungs: &mut Vec<Rung>, rivals: &[Transition
         let t = &machine.transitions[id];
         let what = context.about_transition(id);
         let mut coil = |context: &mut Context<'_>, word: &str, says: &str, condition: &Condition| {
-            let (name, text) = (context.names.transition(word, id), format!("{what} {says}"));
+            let (name, text) = (context.names.transition(word, id), context.says_of(id, says));
             let coil = context.global(name, Role::Condition, text.clone(), origin(what.clone(), t.span));
             rung(context, rungs, (coil, CoilKind::Plain), condition, text);
             coil

@@ -2,6 +2,7 @@
 
 use super::context::{Condition, Context};
 use super::rungs::rung;
+use crate::ir::chart::{Machine, Position};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder};
 use crate::ir::plc::{GlobalId, Role};
@@ -30,7 +31,20 @@ fn command(context: &mut Context<'_>, output: usize) -> GlobalId {
     let (name, origin) = (signal.name.clone(), signal.origin.clone());
     let text = if signal.description.is_empty() { name.clone() } else { signal.description.clone() };
     let name = context.names.give("Cmd", &name);
-    let id = context.global(name, Role::Command, format!("command: {text}"), origin);
+    let text = with_actuator(context.machine, output, format!("command: {text}"));
+    let id = context.global(name, Role::Command, text, origin);
     context.commands.push(id);
     id
+}
+
+/// A text on an output, and what the model says of its actuator and of where it leads.
+fn with_actuator(machine: &Machine, output: usize, mut text: String) -> String {
+    let leads = |p: &&Position| p.output.is_some_and(|o| o.index() == output);
+    let place = machine.actuators.values().find_map(|a| Some((a, a.positions.iter().find(leads)?)));
+    for (name, says) in place.iter().flat_map(|(a, p)| [(&a.name, &a.description), (&p.name, &p.description)]) {
+        if !says.is_empty() {
+            text.push_str(&format!("; {name}: {says}"));
+        }
+    }
+    text
 }

@@ -80,12 +80,14 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             origin(format!("entry of {}", machine.state_path(*state)), machine.states[*state].span),
         );
     }
+    let mut reasons = region.reasons.iter();
+    let mut reason = || reasons.next().map_or("", String::as_str);
     for (guard, state) in &region.entries {
         let guard = context.guard(guard, id);
         let what = format!("entry of {} by default", machine.state_path(*state));
-        out.unless(guard, step_of(*state), origin(what, region.span));
+        out.because(reason()).unless(guard, step_of(*state), origin(what, region.span));
     }
-    out.otherwise(
+    out.because(reason()).otherwise(
         step_of(region.initial),
         origin(format!("initial state of {}", machine.region_path(id)), region.span),
     );
@@ -127,6 +129,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             }
             let target = machine.child_in(id, transition.target).expect("the scope holds the target");
             let from = origin(context.about_transition(t), transition.span);
+            out.because(&transition.description);
             if chained {
                 let fires = Expr::Atom(context.fires(t));
                 out.when(Expr::all([running.clone(), fires]), step_of(target), from);
@@ -151,18 +154,27 @@ struct Leaving {
     from: StepId,
     /// Holds for all that follow: the region runs, and nothing before them is the case.
     rest: Vec<Condition>,
+    /// Why the next one is there.
+    reason: String,
     list: Vec<Transition>,
 }
 
 impl Leaving {
     fn new(from: StepId, running: Condition) -> Self {
-        Leaving { from, rest: vec![running], list: Vec::new() }
+        Leaving { from, rest: vec![running], reason: String::new(), list: Vec::new() }
+    }
+
+    /// Says why the next transition is there.
+    fn because(&mut self, reason: &str) -> &mut Self {
+        reason.clone_into(&mut self.reason);
+        self
     }
 
     /// A transition with exactly this condition.
     fn when(&mut self, condition: Condition, to: StepId, origin: Origin) {
         let priority = self.list.len() as u32 + 1;
-        self.list.push(Transition { from: self.from, to, priority, condition, origin });
+        let description = std::mem::take(&mut self.reason);
+        self.list.push(Transition { from: self.from, to, priority, condition, description, origin });
     }
 
     /// A transition if the condition holds and none before it.
@@ -172,6 +184,7 @@ impl Leaving {
         if whole != Expr::FALSE {
             self.when(whole, to, origin);
         }
+        self.reason.clear();
     }
 
     /// A transition if nothing before it is the case.

@@ -83,6 +83,19 @@ pub fn parse(source: &str) -> (Option<ast::Machine>, Diagnostics) {
     if diagnostics.has_errors() { (None, diagnostics) } else { (Some(machine), diagnostics) }
 }
 
+/// Whether a text is one condition, and nothing besides.
+pub fn condition(text: &str) -> Result<(), Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    match scan::scan(text) {
+        Err(found) => found.into_iter().for_each(|d| diagnostics.push(d)),
+        Ok(()) => match Grammar::parse(Rule::lone_condition, text) {
+            Ok(_) => return Ok(()),
+            Err(error) => diagnostics.push(syntax_error::describe(text, 0, error)),
+        },
+    }
+    Err(diagnostics)
+}
+
 /// Parses what a `bad_…` rule caught with the strict rule, for a good message.
 fn second_look(source: &str, slice: &Pair<'_, Rule>) -> Option<Diagnostic> {
     let strict = match slice.as_rule() {

@@ -73,6 +73,7 @@ pub fn programs(machine: &Machine) -> Vec<(&'static str, Program)> {
 /// A condition over the machine that `source` describes, as its scenarios write it. The places of the
 /// diagnostics mean nothing.
 pub fn condition(source: &str, text: &str) -> Result<Condition, Diagnostics> {
+    parse::condition(text)?;
     // The scenario that holds it comes last and changes no id of what is there.
     let (machine, diagnostics) = check(&format!("{source}\nscenario \"\" {{ wait until {text}\nwithin 1 scan }}"));
     let step = machine.and_then(|mut m| m.scenarios.pop()).and_then(|mut s| s.steps.pop());

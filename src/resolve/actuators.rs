@@ -71,6 +71,7 @@ fn positions(r: &mut Resolver, actuator: &ast::Actuator) -> Vec<chart::Position>
             output,
             sensor: None,
             limit: None,
+            description: String::new(),
             span: by.span,
         };
         return vec![position("Off", None), position("On", output)];
@@ -87,7 +88,8 @@ fn positions(r: &mut Resolver, actuator: &ast::Actuator) -> Vec<chart::Position>
             let (time, deeds) = (r.time(&l.time), r.deeds(&l.effects, "this limit"));
             Some(chart::Limit { time: time?, deeds, span: l.span })
         });
-        positions.push(chart::Position { name: p.name.text.clone(), output, sensor, limit, span: p.name.span });
+        let (name, description) = (p.name.text.clone(), describe(&p.description));
+        positions.push(chart::Position { name, output, sensor, limit, description, span: p.name.span });
     }
     let driven: Vec<bool> = actuator.positions.iter().map(|p| p.output.is_some()).collect();
     match (actuator.technology, driven.as_slice()) {

@@ -41,7 +41,7 @@ pub fn expand<'t>(r: &mut Resolver, tree: &'t Machine) -> Cow<'t, Machine> {
 /// The words of the model, and the events that its sequences mean: what a function brings along and nobody
 /// names is left out.
 fn named(tree: &Machine) -> HashSet<String> {
-    let text = source::source(tree);
+    let text = without_texts(&source::source(tree));
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').map(iec::fold);
     let event = |function: &Name, part: &str| iec::fold(&format!("{}_{part}", function.text));
     let meant = tree.sequences.iter().flat_map(|s| &s.steps).flat_map(|step| match &step.doing {
@@ -57,6 +57,21 @@ fn named(tree: &Machine) -> HashSet<String> {
         SequenceDoing::Until(_) | SequenceDoing::Wait(_) => Vec::new(),
     });
     words.chain(meant).collect()
+}
+
+/// A source in which nothing stands between quotes: what a model says in words names nothing.
+fn without_texts(source: &str) -> String {
+    let (mut kept, mut quoted, mut escaped) = (String::with_capacity(source.len()), false, false);
+    for c in source.chars() {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' if quoted => escaped = true,
+            '"' => quoted = !quoted,
+            _ if quoted => {}
+            _ => kept.push(c),
+        }
+    }
+    kept
 }
 
 struct Maker<'r, 'p> {

@@ -169,6 +169,7 @@ impl<'a> Builder<'_, 'a, '_> {
             states: Vec::new(),
             entries: Vec::new(),
             initial: chart::StateId::from_index(0),
+            reasons: Vec::new(),
             span,
         });
         if let Some(name) = name {

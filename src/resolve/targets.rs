@@ -114,6 +114,8 @@ impl<'a> Walk<'_, 'a> {
             Some((source, phase)) => Context::Guard { braces, source, phase },
             None => Context::Active { braces },
         };
+        let mut taken = taken;
+        taken.descriptions.extend(written.description.as_ref().map(|t| t.value.as_str()));
         let mut rest = taken.exact.clone();
         let mut fine = true;
         for branch in &written.branches {
@@ -273,7 +275,9 @@ pub fn begin<'a>(r: &mut Resolver, choices: &mut [Choice<'a>]) {
             );
             continue;
         }
+        let reasons: Vec<String> = ways.iter().map(|way| way.descriptions.join(", ")).collect();
         if let (true, Some(last)) = (fine, ways.pop()) {
+            r.machine.regions[region].reasons = reasons;
             r.machine.regions[region].initial = last.target;
             r.machine.regions[region].entries = ways.into_iter().map(|way| (way.first, way.target)).collect();
         }

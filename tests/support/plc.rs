@@ -19,6 +19,7 @@ pub fn project(name: &str) -> Project {
             resource: "Res".to_owned(),
             interval: 10,
         },
+        notes: Vec::new(),
     }
 }
 
@@ -67,7 +68,14 @@ pub fn step(sfc: &mut Sfc, name: &str, flag: Option<GlobalId>) -> StepId {
 /// Adds a transition after those that leave the same step.
 pub fn transition(sfc: &mut Sfc, from: StepId, to: StepId, condition: Expr<GlobalId>) {
     let priority = 1 + sfc.transitions.iter().filter(|t| t.from == from).count() as u32;
-    sfc.transitions.push(Transition { from, to, priority, condition, origin: Origin::default() });
+    sfc.transitions.push(Transition {
+        from,
+        to,
+        priority,
+        condition,
+        description: String::new(),
+        origin: Origin::default(),
+    });
 }
 
 /// Adds a rung.

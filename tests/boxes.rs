@@ -1,7 +1,6 @@
 //! Functions drawn as boxes and sums in texts: each reading, and each refusal of what tools compute differently.
 
-use crate::support::st;
-use chartwright::read;
+use crate::support::st::{self, escaped, read_as};
 
 /// The types of the variables that are there.
 const VARIABLES: [(&str, &str); 16] = [
@@ -28,24 +27,7 @@ type Pin<'a> = (&'a str, &'a str);
 type Pins<'a> = &'a [Pin<'a>];
 
 fn file(body: &str) -> String {
-    let variable = |(name, kind): &(&str, &str)| match *kind {
-        "TON" => format!(r#"<variable name="{name}"><type><derived name="{kind}"/></type></variable>"#),
-        _ => format!(r#"<variable name="{name}"><type><{kind}/></type></variable>"#),
-    };
-    let variables: String = VARIABLES.iter().map(variable).collect();
-    format!(
-        r#"<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><pous><pou name="P" pouType="program"><interface><localVars>{variables}</localVars></interface><body>{body}</body></pou></pous></types></project>"#
-    )
-}
-
-/// What is read, or what is said instead.
-fn read_as(text: &str) -> String {
-    match read::read(text) {
-        (Some(project), _) => st::program(&project, 0).join("; "),
-        (None, diagnostics) => {
-            diagnostics.iter().map(|d| format!("{} {}", d.code.number(), d.message)).collect::<Vec<_>>().join("; ")
-        }
-    }
+    st::file(&VARIABLES, body)
 }
 
 /// A box whose pins have the attributes that stand behind their names, with its result in a variable.
@@ -207,10 +189,7 @@ fn a_function_has_one_result_and_one_user() {
 
 #[test]
 fn sums_are_taken_where_their_width_does_not_matter() {
-    let text = |text: &str| {
-        let escaped = text.replace('<', "&lt;").replace('>', "&gt;");
-        read_as(&file(&format!("<ST><p>{escaped}</p></ST>")))
-    };
+    let text = |text: &str| read_as(&file(&format!("<ST><p>{}</p></ST>", escaped(text))));
     for (good, expected) in [
         ("A := I + 1 > 3;", "A := ((I + 1) > 3)"),
         ("A := S - 1 > 3;", "A := ((S - 1) > 3)"),

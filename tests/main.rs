@@ -35,6 +35,7 @@ mod scenarios;
 mod simulate_chart;
 mod snapshots;
 mod stability;
+mod structured_text;
 mod support;
 mod text;
 mod texts;

@@ -97,7 +97,7 @@ fn scaled(number: &str, unit: i128) -> Option<i128> {
         place /= 10;
         value += digit * place;
     }
-    (fraction.is_empty() || fraction.starts_with(|c: char| c.is_ascii_digit())).then_some(value)
+    (!number.contains('.') || fraction.starts_with(|c: char| c.is_ascii_digit())).then_some(value)
 }
 
 /// Decimal digits, perhaps with `_` between them.

@@ -1,7 +1,37 @@
-//! What the reader makes of a program, as text: what it was written as, with parentheses around everything.
+//! Files with one program, and what the reader makes of them as text: what was written, with parentheses around
+//! everything.
 
 use chartwright::ir::expr::Expr;
 use chartwright::ir::iec::{Atom, Body, Bool, CoilKind, Condition, Number, Project, Relation, Sfc, Statement, Target};
+use chartwright::read;
+
+/// A file with one program, whose variables have these names and types.
+pub fn file(variables: &[(&str, &str)], body: &str) -> String {
+    const BLOCKS: [&str; 7] = ["TON", "TOF", "TP", "R_TRIG", "F_TRIG", "SR", "RS"];
+    let variable = |(name, kind): &(&str, &str)| {
+        let kind = if BLOCKS.contains(kind) { format!(r#"<derived name="{kind}"/>"#) } else { format!("<{kind}/>") };
+        format!(r#"<variable name="{name}"><type>{kind}</type></variable>"#)
+    };
+    let variables: String = variables.iter().map(variable).collect();
+    format!(
+        r#"<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><pous><pou name="P" pouType="program"><interface><localVars>{variables}</localVars></interface><body>{body}</body></pou></pous></types></project>"#
+    )
+}
+
+/// What is read of a file, or what is said instead.
+pub fn read_as(text: &str) -> String {
+    match read::read(text) {
+        (Some(project), _) => program(&project, 0).join("; "),
+        (None, diagnostics) => {
+            diagnostics.iter().map(|d| format!("{} {}", d.code.number(), d.message)).collect::<Vec<_>>().join("; ")
+        }
+    }
+}
+
+/// A text as it stands in XML.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
 
 /// The body of the program with that number, a line for each statement, transition and action.
 pub fn program(project: &Project, number: usize) -> Vec<String> {

@@ -21,6 +21,7 @@ mod mutants;
 mod names;
 mod never_entered;
 mod observers;
+mod outputs;
 mod palletizer;
 mod productis;
 mod program_mutants;

@@ -1,6 +1,6 @@
 //! Runs of other tools on models: they come back, and what is damaged is refused.
 
-use crate::support::binary::{Scratch, chartwright, code, stderr};
+use crate::support::binary::{Scratch, chartwright, code, stderr, stdout};
 use crate::support::models;
 use crate::support::rng::Rng;
 use chartwright::base::Code;
@@ -153,7 +153,7 @@ fn the_command_shows_a_run_or_says_what_is_wrong() {
     let output = chartwright(d.path(), "replay gate.chart found --scenario again.chart --vcd run.vcd");
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     for says in ["P1: never LAMP and Near and Far", "Active in scan 4:\nGate\n  Passing", "[ Cmd_LAMP=1 ]"] {
-        assert!(stderr(&output).contains(says), "{says}: {}", stderr(&output));
+        assert!(stdout(&output).contains(says), "{says}: {}", stdout(&output));
     }
     assert!(d.path().join("again.chart").exists() && d.path().join("run.vcd").exists());
     for (text, says) in [

@@ -1,6 +1,6 @@
 //! Plants that go by steps, and scenarios that tell them: what happens, when, and what is seen of it.
 
-use crate::support::binary::{Scratch, chartwright, code, stderr, stdout};
+use crate::support::binary::{Scratch, chartwright, code, stdout};
 use crate::support::models;
 use chartwright::base::{Code, Severity};
 use chartwright::pipeline;
@@ -192,7 +192,7 @@ fn a_counterexample_shows_what_happens_between_scans_of_their_number_and_time() 
         cylinder("wait 1 scan").replacen("scenario \"out", "properties { P: never Stroke = 2 }\n scenario \"out", 1);
     d.write("cylinder.chart", &text);
     let output = chartwright(d.path(), "verify cylinder.chart --scenario found.chart --vcd run.vcd");
-    let shown = stderr(&output);
+    let shown = stdout(&output);
     let squeezed = shown.split_whitespace().collect::<Vec<_>>().join(" ");
     for says in [
         "P: never Stroke = 2 (after scan 2)",

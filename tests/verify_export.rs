@@ -1,12 +1,18 @@
 //! What `verify` writes for other tools: read back by a reader of its own here, and by such tools where
 //! they are installed.
 
+use crate::support::models;
 use crate::support::rng::Rng;
 use crate::support::systems::{random, truth};
+use chartwright::pipeline;
+use chartwright::pipeline::verify::Program;
 use chartwright::verify::aig::{Aig, Lit, lanes};
-use chartwright::verify::export::{aiger, btor2, smv, witness};
+use chartwright::verify::export::{aiger, btor2, claim_named, smv, witness};
 use chartwright::verify::{Choice, Giver, Latch, Limits, Property, System, Verdict, check};
+use std::collections::BTreeMap;
+use std::io::Write;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 /// An AIGER file, text or binary, to the system that it describes: only what this test needs, and no error is
 /// forgiven.
@@ -22,6 +28,12 @@ pub fn read_aiger(bytes: &[u8]) -> System {
     let mut words = head.split(' ');
     let binary = words.next() == Some("aig");
     let n: Vec<usize> = words.map(|w| w.parse().expect("a number")).collect();
+    // In the first version outputs say what never is.
+    let n = if let [most, inputs, latches, outputs, gates] = n[..] {
+        vec![most, inputs, latches, 0, gates, outputs, 0]
+    } else {
+        n
+    };
     let (n, fair) = n.split_at(7.min(n.len()));
     let [most, inputs, latches, 0, gates, bads, constraints] = n[..] else { panic!("{head}") };
     let [justice, fair] = match *fair {
@@ -126,6 +138,25 @@ fn both_forms_of_aiger_say_the_same_as_the_system() {
 }
 
 #[test]
+fn the_first_version_of_aiger_says_the_same_without_constraints_and_open_beginnings() {
+    let (mut bound, mut open) = (0, 0);
+    for seed in 0..120 {
+        let system = sayable(seed);
+        let expected = truth(&system).0;
+        bound += usize::from(!system.constraints.is_empty());
+        open += usize::from(system.latches.iter().any(|l| l.initial.is_none()));
+        for bytes in [aiger::first_ascii(&system).into_bytes(), aiger::first_binary(&system)] {
+            assert_eq!(bytes.split(|&b| b == b'\n').next().expect("a head").split(|&b| b == b' ').count(), 6);
+            let read = read_aiger(&bytes);
+            assert!(read.constraints.is_empty() && read.latches.iter().all(|l| l.initial.is_some()));
+            // A run that refutes is as long, scan by scan.
+            assert_eq!(truth(&read).0, expected, "{seed}");
+        }
+    }
+    assert!(bound > 25 && open > 25, "{bound} with constraints, {open} with an open beginning");
+}
+
+#[test]
 fn a_run_goes_out_and_comes_back() {
     let mut runs = 0;
     for seed in 0..100 {
@@ -155,8 +186,15 @@ fn names_are_kept() {
     let text = aiger::ascii(&system);
     assert_eq!(
         text,
-        "aag 3 1 1 0 1 1 0\n2\n4 7 1\n4\n6 5 3\ni0 Go now\nl0 Line.On\nb0 P1: on\nc\nmade by chartwright\n\
-         left out, since AIGER cannot say it: off again\n"
+        "aag 3 1 1 0 1 1 0\n2\n4 7 1\n4\n6 5 3\ni0 Go_now\nl0 Line.On\nb0 P1:_on\nc\nmade by chartwright\n\
+         left out, since AIGER cannot say it: off_again\n"
+    );
+    // The first version has outputs for what never is, and no more numbers in its head.
+    let text = aiger::first_ascii(&system);
+    assert_eq!(
+        text,
+        "aag 3 1 1 1 1\n2\n4 7 1\n4\n6 5 3\ni0 Go_now\nl0 Line.On\no0 P1:_on\nc\nmade by chartwright\n\
+         left out, since AIGER cannot say it: off_again\n"
     );
     let text = btor2::write(&system);
     assert!(text.contains("input 1 Go_now\n") && text.contains("state 1 Line.On\n"), "{text}");
@@ -165,10 +203,21 @@ fn names_are_kept() {
     assert!(text.contains("  init(m_Line_On) := TRUE;\n"), "{text}");
     assert!(text.contains("SPEC AG !m_Line_On; -- P1: on\n"), "{text}");
     assert!(text.contains("SPEC AG EF !m_Line_On; -- off again\n"), "{text}");
-    // A name that comes twice is numbered: some readers refuse it otherwise.
+    // A name that comes twice is numbered, whatever it names: some readers refuse it otherwise.
     system.input("Go now", Giver::Operator);
-    assert!(aiger::ascii(&system).contains("i1 Go now #2\n"));
-    assert!(btor2::write(&system).contains("input 1 Go_now_#2\n"));
+    system.input("Line.On", Giver::Operator);
+    system.input("Tür; zu", Giver::Operator);
+    system.claim("Go now", Property::Never(on));
+    let text = aiger::ascii(&system);
+    for line in ["b1 Go_now", "i0 Go_now_2", "i1 Go_now_3", "i2 Line.On", "i3 T_r__zu", "l0 Line.On_2"] {
+        assert!(text.contains(&format!("\n{line}\n")), "{line}: {text}");
+    }
+    assert!(text.is_ascii() && aiger::first_ascii(&system).is_ascii() && btor2::write(&system).is_ascii());
+    assert!(btor2::write(&system).contains("input 1 Go_now_2\n"));
+    assert_eq!(claim_named(&system, "P1: on"), Some(0));
+    assert_eq!(claim_named(&system, "P1:_on"), Some(0));
+    assert_eq!(claim_named(&system, "Go_now"), Some(2));
+    assert_eq!(claim_named(&system, "Go_now_2"), None, "that is an input");
     let order = smv::order(&system);
     assert!(order.contains("m_Line_On\n") && order.contains("i_Go_now\n"), "{order}");
 }
@@ -294,4 +343,127 @@ fn nusmv_comes_to_the_same_verdicts() {
         assert_eq!(verdicts, expected, "{seed}: {said}");
     }
     std::fs::remove_dir_all(&folder).expect("the folder can be removed");
+}
+
+/// What ABC says of each output of a file, by its name: whether it is ever TRUE, nothing where time was up.
+fn abc_says(abc: &str, file: &std::path::Path, seconds: u64) -> BTreeMap<String, Option<bool>> {
+    let bytes = std::fs::read(file).expect("it has been written");
+    let text = String::from_utf8_lossy(&bytes);
+    let outputs: Vec<&str> = text.lines().filter_map(output_name).collect();
+    let head: Vec<&str> = text.lines().next().expect("a head").split(' ').collect();
+    assert_eq!(outputs.len().to_string(), head[4], "each output has a name");
+    let said = ask(abc, &["-c", &format!("read {}; pdr -a -T {seconds}", file.display())]).expect("it runs");
+    let decided = said.contains("Undecided = 0.");
+    assert!(said.contains(&format!("Properties:  All = {}.", outputs.len())), "{said}");
+    let mut verdicts: BTreeMap<String, Option<bool>> =
+        outputs.iter().map(|name| ((*name).to_owned(), decided.then_some(false))).collect();
+    assert_eq!(verdicts.len(), outputs.len(), "names are distinct");
+    for line in said.lines() {
+        let Some(rest) = line.strip_prefix("Output ") else { continue };
+        let Some((index, _)) = rest.split_once(" was asserted in frame") else { continue };
+        let index: usize = index.trim().parse().expect("a number");
+        verdicts.insert(outputs[index].to_owned(), Some(true));
+    }
+    verdicts
+}
+
+/// The name in a line `o3 NAME` of a symbol table.
+fn output_name(line: &str) -> Option<&str> {
+    let (index, name) = line.strip_prefix('o')?.split_once(' ')?;
+    index.bytes().all(|b| b.is_ascii_digit()).then_some(name)
+}
+
+/// Compares ABC's verdicts on what is exported of a model with ours, name by name; returns how many are the same, and how
+/// many one of the two leaves open.
+fn compare(abc: &str, name: &str, seconds: u64) -> (usize, usize) {
+    let model = models::all().into_iter().find(|m| m.name == name).expect("the model is there");
+    let (machine, _) = pipeline::check(&model.source);
+    let machine = machine.expect("the model is right");
+    let mut subject = pipeline::verify::system(&machine, Program::Chart, false).expect("it can be verified");
+    let file = std::env::temp_dir().join(format!("chartwright-abc-{}-{name}.aig", std::process::id()));
+    std::fs::write(&file, aiger::first_binary(&subject.system)).expect("a file can be written");
+    let theirs = abc_says(abc, &file, seconds);
+    std::fs::remove_file(&file).expect("it can be removed");
+    subject.system.claims.retain(|c| matches!(c.property, Property::Never(_)));
+    let begun = Instant::now();
+    let stop = || begun.elapsed() > Duration::from_secs(4 * seconds);
+    let report = check(&subject.system, None, &Limits::default(), Choice::Automatic, &stop, &mut |_| {});
+    let (mut same, mut open) = (0, 0);
+    assert_eq!(theirs.len(), report.findings.len(), "{name}");
+    for (written, violated) in theirs {
+        let claim = claim_named(&subject.system, &written).unwrap_or_else(|| panic!("{name}: no claim `{written}`"));
+        let ours = match report.findings[claim].verdict {
+            Verdict::Holds => Some(false),
+            Verdict::Violated(_) => Some(true),
+            Verdict::Unknown(_) => None,
+        };
+        match (ours, violated) {
+            (Some(ours), Some(theirs)) => {
+                assert_eq!(ours, theirs, "{name}: {written}: who is right?");
+                same += 1;
+            }
+            _ => open += 1,
+        }
+    }
+    (same, open)
+}
+
+/// Says something even where the test passes.
+fn aloud(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// With `CHARTWRIGHT_ABC_SECONDS=60`, say, all six machines get as long; without it the small ones are compared, in seconds.
+#[test]
+fn abc_comes_to_the_same_verdicts_on_machines_name_by_name() {
+    let Some(abc) = ["berkeley-abc", "abc", "yosys-abc"].into_iter().find(|tool| ask(tool, &["-h"]).is_some()) else {
+        aloud("SKIPPED: the verdicts on machines are not compared: neither berkeley-abc, abc nor yosys-abc is on PATH");
+        return;
+    };
+    let seconds = std::env::var("CHARTWRIGHT_ABC_SECONDS").ok().map(|s| s.parse().expect("a number of seconds"));
+    let machines: &[&str] = match seconds {
+        Some(_) => &["prehensor", "carts", "four_cylinders", "palletizer", "indexa", "productis"],
+        None => {
+            aloud(
+                "SKIPPED: of the six machines only the prehensor is compared with ABC: set CHARTWRIGHT_ABC_SECONDS=60",
+            );
+            &["prehensor", "properties"]
+        }
+    };
+    for name in machines {
+        let begun = Instant::now();
+        let (same, open) = compare(abc, name, seconds.unwrap_or(10));
+        if seconds.is_some() {
+            aloud(&format!("{name}: {same} verdicts are the same, {open} open, {:?}", begun.elapsed()));
+        }
+        assert!(same > 0, "{name}: nothing could be compared");
+    }
+}
+
+/// Other readers than ABC, where they are installed.
+#[test]
+fn yosys_reads_what_is_exported() {
+    if ask("yosys", &["-V"]).is_none() {
+        aloud("SKIPPED: that yosys reads exports is not tried: it is not on PATH");
+        return;
+    }
+    for name in ["prehensor", "four_cylinders", "eventually"] {
+        let model = models::all().into_iter().find(|m| m.name == name).expect("the model is there");
+        let (machine, _) = pipeline::check(&model.source);
+        let machine = machine.expect("the model is right");
+        let subject = pipeline::verify::system(&machine, Program::Chart, false).expect("it can be verified");
+        let files =
+            [("aig", aiger::first_binary(&subject.system)), ("aag", aiger::first_ascii(&subject.system).into_bytes())];
+        for (ending, bytes) in files {
+            let file = std::env::temp_dir().join(format!("chartwright-yosys-{}-{name}.{ending}", std::process::id()));
+            let head = bytes.split(|&b| b == b'\n').next().expect("a head").to_vec();
+            let head = String::from_utf8(head).expect("text");
+            let outputs = head.split(' ').nth(4).expect("a number of outputs").to_owned();
+            std::fs::write(&file, bytes).expect("a file can be written");
+            let script = format!("read_aiger {}; select -count o:*", file.display());
+            let said = ask("yosys", &["-p", &script]).expect("it runs");
+            std::fs::remove_file(&file).expect("it can be removed");
+            assert!(!said.contains("ERROR") && said.contains(&format!("{outputs} objects.")), "{name}: {head}: {said}");
+        }
+    }
 }

@@ -215,7 +215,7 @@ fn the_command_line_says_it_by_its_exit_code() {
     place.write("c.chart", COUNTER);
     let run = |arguments: &str| {
         let output = chartwright(place.path(), arguments);
-        (code(&output), stderr(&output).to_owned(), stdout(&output).to_owned())
+        (code(&output), stdout(&output).to_owned(), stderr(&output).to_owned())
     };
     let (fine, told, _) = run("verify p.chart --needed --scenario runs.chart");
     assert_eq!(fine, 0, "{told}");
@@ -233,9 +233,9 @@ fn the_command_line_says_it_by_its_exit_code() {
     assert_eq!(run("verify p.chart --program any --without S2,S3,S4").0, 0);
     let (wrong, told, _) = run("verify p.chart --program any --without S1,C1");
     assert!(wrong == 1 && told.contains("violated  P1") && told.contains("violated  P2"), "{told}");
-    let (wrong, told, _) = run("verify p.chart --without S9");
+    let (wrong, _, told) = run("verify p.chart --without S9");
     assert!(wrong == 1 && told.contains("E104") && told.contains("no constraint `S9`"), "{told}");
-    let (_, _, json) = run("verify p.chart --needed --format json");
+    let (_, json, _) = run("verify p.chart --needed --format json");
     let json: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
     assert_eq!(json["constraints"][0]["verdict"], "needed");
     assert_eq!(json["constraints"][1]["implied_by"][0], "S1");

@@ -166,7 +166,7 @@ Examples:
 
 Exit codes:
   0  every scenario that was played went as expected
-  1  a scenario failed, a model has errors, or a file cannot be read or written
+  1  a scenario failed or none was played, a model has errors, or a file cannot be read or written
   2  the command line is wrong")]
 pub struct Test {
     /// The models.
@@ -176,6 +176,10 @@ pub struct Test {
     /// Only scenarios whose name holds this text.
     #[arg(long, value_name = "NAME")]
     pub filter: Option<String>,
+
+    /// Take it as right that no scenario is played, as when the models have none or none fits NAME.
+    #[arg(long)]
+    pub allow_empty: bool,
 
     /// Where to write a report as JUnit XML, for CI; `-` is standard output.
     #[arg(long, value_name = "REPORT")]
@@ -357,12 +361,13 @@ pub struct Explain {
 
 /// Writes a machine as a transition system for other model checkers.
 ///
-/// Reads FILE and writes what `verify` verifies, with the names of the model. AIGER and BTOR2 take what
-/// never is and what comes eventually; SMV also what is always possible.
+/// Reads FILE and writes what `verify` verifies, with the names of the model. AIGER takes what never is,
+/// AIGER 1.9 and BTOR2 also what comes eventually, SMV also what is always possible.
 #[derive(Args, Debug)]
 #[command(after_long_help = "\
 Examples:
-  chartwright export door.chart --format aiger      writes door.aag
+  chartwright export door.chart --format aiger      writes door.aig
+  chartwright export door.chart --format aiger-1.9 -o door.aag
   chartwright export door.chart --format smv -o -
 
 Exit codes:
@@ -438,8 +443,13 @@ pub struct Replay {
 /// A form of transition systems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SystemForm {
-    /// AIGER 1.9, as text.
+    /// AIGER as all its tools read it, in the binary form, or as text if OUT ends in .aag.
     Aiger,
+    /// The same as text.
+    Aag,
+    /// AIGER 1.9, in the binary form, or as text if OUT ends in .aag.
+    #[value(name = "aiger-1.9")]
+    AigerLatest,
     /// BTOR2.
     Btor2,
     /// SMV, for NuSMV and nuXmv.
@@ -449,7 +459,8 @@ pub enum SystemForm {
 /// How a command reports.
 #[derive(Args, Debug)]
 pub struct Output {
-    /// How to report: for people on standard error, or as one JSON document on standard output.
+    /// How to report on standard output: for people, with errors, warnings and what has been written on standard error, or
+    /// as one JSON document.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     pub format: Format,
 }

@@ -2,7 +2,7 @@
 
 use super::args::{Constraints as Args, Form, Format};
 use super::report::Report;
-use super::{Outcome, files, finish, read, usage};
+use super::{Outcome, finish, read, tell, usage};
 use crate::constraints::Analysis;
 use crate::derive::Derived;
 use crate::ir::source;
@@ -43,11 +43,8 @@ pub fn run(args: &Args) -> Outcome {
         Form::Dot => (analysis.as_ref().map(Analysis::dot), Format::Human),
         Form::Json => (None, Format::Json),
     };
-    if let Some(text) = text {
-        // Where it cannot be printed, nobody reads.
-        let _ = files::print(&text);
-    }
-    finish("constraints", format, &report, &Result { constraints: analysis })
+    let told = text.map_or(Outcome::Fine, |text| tell(&text));
+    told.and(finish("constraints", format, &report, &Result { constraints: analysis }))
 }
 
 fn derive(args: &Args) -> Outcome {
@@ -58,15 +55,13 @@ fn derive(args: &Args) -> Outcome {
     };
     let mut report = Report::default();
     let all = read(&args.file, &mut report, pipeline::derivable).unwrap_or_default();
-    if format == Format::Human && !all.is_empty() {
-        let _ = files::print(&text(&all));
-    }
+    let told = if format == Format::Human && !all.is_empty() { tell(&text(&all)) } else { Outcome::Fine };
     let item = |d: Derived| Item {
         name: d.constraint.name.text.clone(),
         source: source::constraint(&d.constraint),
         from: d.sources,
     };
-    finish("constraints", format, &report, &Derivable { derived: all.into_iter().map(item).collect() })
+    told.and(finish("constraints", format, &report, &Derivable { derived: all.into_iter().map(item).collect() }))
 }
 
 /// The constraints, each group below what it is derived from.

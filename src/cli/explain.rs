@@ -1,19 +1,16 @@
 //! A code to its page.
 
 use super::args::Explain;
-use super::{Outcome, files, say};
+use super::{Outcome, say, tell};
 use crate::base::Code;
 
 /// Runs `chartwright explain`.
 pub fn run(args: &Explain) -> Outcome {
     let Some(number) = &args.code else {
-        // Where it cannot be printed, nobody reads.
-        let _ = files::print(&list(Code::ALL));
-        return Outcome::Fine;
+        return tell(&list(Code::ALL));
     };
     if let Some(code) = Code::find(number.trim()) {
-        let _ = files::print(code.page());
-        return Outcome::Fine;
+        return tell(code.page());
     }
     let shown = annotate_snippets::normalize_untrusted_str(number);
     let near = near(number);

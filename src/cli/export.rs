@@ -10,13 +10,19 @@ use crate::verify::export::{aiger, btor2, smv};
 /// Runs `chartwright export`.
 pub fn run(args: &Args) -> Outcome {
     let extension = match args.form {
-        SystemForm::Aiger => "aag",
+        SystemForm::Aiger | SystemForm::AigerLatest => "aig",
+        SystemForm::Aag => "aag",
         SystemForm::Btor2 => "btor2",
         SystemForm::Smv => "smv",
     };
     let out = args.out.clone().unwrap_or_else(|| args.file.with_extension(extension));
     if !files::is_standard(&out) && files::same(&out, &args.file) {
         return usage("export", "writing the system would overwrite the model");
+    }
+    // Tools of AIGER go by the ending.
+    let ends = |ending: &str| out.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    if args.form == SystemForm::Aag && ends("aig") {
+        return usage("export", "`.aig` is the ending of binary AIGER, and `aag` is text");
     }
     let mut report = Report::default();
     let machine = read(&args.file, &mut report, pipeline::check).flatten();
@@ -30,12 +36,17 @@ pub fn run(args: &Args) -> Outcome {
             return Outcome::Wrong;
         }
     };
-    let text = match args.form {
-        SystemForm::Aiger => aiger::ascii(&subject.system),
-        SystemForm::Btor2 => btor2::write(&subject.system),
-        SystemForm::Smv => smv::write(&subject.system),
+    let system = &subject.system;
+    let bytes = match args.form {
+        SystemForm::Aiger if ends("aag") => aiger::first_ascii(system).into_bytes(),
+        SystemForm::Aiger => aiger::first_binary(system),
+        SystemForm::Aag => aiger::first_ascii(system).into_bytes(),
+        SystemForm::AigerLatest if ends("aag") => aiger::ascii(system).into_bytes(),
+        SystemForm::AigerLatest => aiger::binary(system),
+        SystemForm::Btor2 => btor2::write(system).into_bytes(),
+        SystemForm::Smv => smv::write(system).into_bytes(),
     };
-    if let Err(diagnostic) = Pending::prepare(&out, text).and_then(Pending::commit) {
+    if let Err(diagnostic) = Pending::prepare(&out, bytes).and_then(Pending::commit) {
         report.files.push(FileReport::failed(files::show(&out), diagnostic));
     }
     finish("export", Format::Human, &report, &super::Nothing {})

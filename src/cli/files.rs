@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The path that means standard output.
-const STANDARD: &str = "-";
+pub const STANDARD: &str = "-";
 
 /// How long nobody has to have written a temporary file for it to be a left one. A run holds its own for no
 /// longer than it takes to write its results.
@@ -68,7 +68,7 @@ pub fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD)
 }
 
-/// A text that is ready to appear under its name. Dropped before [`Pending::commit`], it leaves
+/// A result that is ready to appear under its name. Dropped before [`Pending::commit`], it leaves
 /// nothing behind.
 #[derive(Debug)]
 pub struct Pending {
@@ -81,12 +81,13 @@ enum Form {
     /// A complete file under a temporary name beside the target; gone once it is renamed.
     Renamed(Option<PathBuf>),
     /// The target is no regular file (standard output, a device, a pipe) and cannot be replaced.
-    Direct(String),
+    Direct(Vec<u8>),
 }
 
 impl Pending {
     /// Does all that can fail for lack of space or rights, except for the last step.
-    pub fn prepare(target: &Path, text: String) -> Result<Pending, Diagnostic> {
+    pub fn prepare(target: &Path, text: impl Into<Vec<u8>>) -> Result<Pending, Diagnostic> {
+        let text = text.into();
         let fail = |error: io::Error| failed("written", target, &error);
         let direct = |text| Ok(Pending { target: target.to_owned(), form: Form::Direct(text) });
         if is_standard(target) {
@@ -114,7 +115,7 @@ impl Pending {
         clear_beside(&target);
         let (temporary, mut file) = create_beside(&target).map_err(fail)?;
         let pending = Pending { target, form: Form::Renamed(Some(temporary)) };
-        file.write_all(text.as_bytes())
+        file.write_all(&text)
             .and_then(|()| existing.map_or(Ok(()), |metadata| file.set_permissions(metadata.permissions())))
             .and_then(|()| file.sync_all())
             .map_err(fail)?;
@@ -129,9 +130,7 @@ impl Pending {
                 fs::rename(&from, &self.target).inspect_err(|_| discard(&from))
             }
             Form::Direct(text) if is_standard(&self.target) => print(text),
-            Form::Direct(text) => {
-                OpenOptions::new().write(true).open(&self.target).and_then(|mut f| f.write_all(text.as_bytes()))
-            }
+            Form::Direct(text) => OpenOptions::new().write(true).open(&self.target).and_then(|mut f| f.write_all(text)),
         };
         done.map_err(|error| failed("written", &self.target, &error))
     }
@@ -191,10 +190,15 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
 }
 
 /// Writes to standard output. Unlike `print!`, it survives a reader that has gone.
-pub fn print(text: &str) -> io::Result<()> {
+pub fn print(text: &[u8]) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())?;
+    out.write_all(text)?;
     out.flush()
+}
+
+/// Why standard output has not been written.
+pub fn not_printed(error: &io::Error) -> Diagnostic {
+    failed("written", Path::new(STANDARD), error)
 }
 
 fn failed(verb: &str, path: &Path, error: &io::Error) -> Diagnostic {

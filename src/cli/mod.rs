@@ -41,6 +41,17 @@ enum Outcome {
     Usage,
 }
 
+impl Outcome {
+    /// The graver of both.
+    fn and(self, other: Outcome) -> Outcome {
+        match (self, other) {
+            (Outcome::Usage, _) | (_, Outcome::Usage) => Outcome::Usage,
+            (Outcome::Wrong, _) | (_, Outcome::Wrong) => Outcome::Wrong,
+            (Outcome::Fine, Outcome::Fine) => Outcome::Fine,
+        }
+    }
+}
+
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> ExitCode {
         ExitCode::from(match outcome {
@@ -83,9 +94,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Explain(args) => explain::run(&args),
         },
         Err(message) => {
-            // Help that was asked for arrives here too; where it cannot be printed, nobody reads.
-            let _ = message.print();
-            if message.use_stderr() { Outcome::Usage } else { Outcome::Fine }
+            // Help that was asked for arrives here too.
+            let printed = message.print();
+            if message.use_stderr() { Outcome::Usage } else { told(printed) }
         }
     };
     outcome.into()
@@ -115,22 +126,43 @@ fn read<T>(path: &Path, report: &mut Report, stage: impl FnOnce(&str) -> (T, cra
     }
 }
 
-/// Gives the report; `result` goes into the JSON document.
+/// Says what there is to say of the files; `result` goes into the JSON document.
 fn finish(command: &str, format: Format, report: &Report, result: &impl Serialize) -> Outcome {
-    match format {
-        Format::Human => say(&report.human()),
+    let given = match format {
+        Format::Human => {
+            say(&report.human());
+            Outcome::Fine
+        }
         Format::Json => {
             let (files, counts) = report.json();
             let document = Document { command, files, counts, result };
             let text = serde_json::to_string_pretty(&document).expect("the document has no maps with odd keys");
-            // As with standard error, nobody is left to be told.
-            let _ = files::print(&(text + "\n"));
+            tell(&(text + "\n"))
         }
-    }
-    if report.has_errors() { Outcome::Wrong } else { Outcome::Fine }
+    };
+    given.and(if report.has_errors() { Outcome::Wrong } else { Outcome::Fine })
 }
 
-/// Writes to standard error, in colour where that is wanted. Where it cannot be written, there is
+/// Gives a report, or a part of one, on standard output.
+fn tell(text: &str) -> Outcome {
+    told(files::print(text.as_bytes()))
+}
+
+/// How a report ends that has been given like that: a reader that has gone has seen what it wanted, and all
+/// else that keeps it from being written is an error.
+fn told(printed: std::io::Result<()>) -> Outcome {
+    match printed {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            let mut report = Report::default();
+            report.files.push(FileReport::failed(files::STANDARD.to_owned(), files::not_printed(&error)));
+            say(&report.human());
+            Outcome::Wrong
+        }
+        _ => Outcome::Fine,
+    }
+}
+
+/// Writes messages to standard error, in colour where that is wanted. Where it cannot be written, there is
 /// nobody to tell.
 fn say(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());

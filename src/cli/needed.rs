@@ -3,7 +3,7 @@
 use super::args::{Format, Verify as Args, VerifyProgram};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, counterexample, finish, read, say, verify};
+use super::{Outcome, counterexample, finish, read, say, tell, verify};
 use crate::ir::chart::{ConstraintId, Machine};
 use crate::pipeline::needed::{Kept, Loss, Needed, Without, needed};
 use crate::pipeline::verify::{Run, property};
@@ -76,9 +76,9 @@ pub fn run(args: &Args) -> Outcome {
         report.files.push(failed);
         written = false;
     }
-    finish("verify", args.output.format, &report, &result(&found));
+    let mut given = finish("verify", args.output.format, &report, &result(&found));
     if args.output.format == Format::Human {
-        say(&human(&found, begun.elapsed()));
+        given = given.and(tell(&human(&found, begun.elapsed())));
     }
     let settled = found.without.iter().all(|(_, without)| match without {
         Without::Violated(loss) => loss.certain,
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> Outcome {
         Without::Unknown(..) | Without::Unverified(_) => false,
     });
     let fine = settled && found.properties.iter().all(|(_, kept)| *kept == Kept::Yes) && !found.properties.is_empty();
-    if fine && written { Outcome::Fine } else { Outcome::Wrong }
+    given.and(if fine && written { Outcome::Fine } else { Outcome::Wrong })
 }
 
 /// Writes what was asked for: all runs as scenarios, the first one as a value change dump.

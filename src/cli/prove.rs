@@ -2,7 +2,7 @@
 
 use super::args::{Format, Prove as Args};
 use super::report::{FileReport, Report};
-use super::{Outcome, files, finish, say};
+use super::{Outcome, files, finish, tell};
 use crate::pipeline::{self, Judgement};
 use serde::Serialize;
 
@@ -38,13 +38,11 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     let outcome = finish("prove", args.output.format, &report, &result);
-    if args.output.format == Format::Human {
-        if let Some(trace) = &result.trace {
-            say(&format!("\n{trace}"));
+    outcome.and(match (args.output.format, &result.trace) {
+        (Format::Human, Some(trace)) => tell(&format!("\n{trace}")),
+        (Format::Human, None) if result.verdict == "proved" => {
+            tell("proved: one scan of the program is one scan of the chart\n")
         }
-        if result.verdict == "proved" {
-            say("proved: one scan of the program is one scan of the chart\n");
-        }
-    }
-    outcome
+        _ => Outcome::Fine,
+    })
 }

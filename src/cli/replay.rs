@@ -4,7 +4,7 @@ use super::args::{Format, Replay as Args};
 use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, finish, say, usage, verify};
+use super::{Outcome, finish, tell, usage, verify};
 use crate::pipeline::replay::{Replayed, replay};
 use crate::pipeline::verify::{Options, words};
 use crate::simulate::vcd;
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.output.format == Format::Human
         && let Some(Replayed { machine, question, run }) = &replayed
     {
-        say(&counterexample::human(machine, *question, run));
+        return outcome.and(tell(&counterexample::human(machine, *question, run)));
     }
     outcome
 }

@@ -1,6 +1,6 @@
 //! Lines of commands to a run by hand, and what each changes.
 
-use super::{Outcome, files};
+use super::{Outcome, files, told};
 use crate::base::iec;
 use crate::ir::chart::{InputId, Machine};
 use crate::ir::scenario::Given;
@@ -53,13 +53,13 @@ pub fn run(source: &str, machine: &Machine, program: Program) -> Outcome {
     let prompt = stdin.is_terminal();
     let mut wrong = false;
     if prompt {
-        // Where it cannot be printed, nobody reads; so below.
-        let _ = files::print(&format!("{}: `help` lists the commands\n", machine.name));
+        // What cannot be printed is seen when a command is answered; so below.
+        let _ = files::print(format!("{}: `help` lists the commands\n", machine.name).as_bytes());
     }
     let mut lines = stdin.lock().lines();
     loop {
         if prompt {
-            let _ = files::print("> ");
+            let _ = files::print(b"> ");
         }
         let Some(Ok(line)) = lines.next() else { break };
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -69,8 +69,9 @@ pub fn run(source: &str, machine: &Machine, program: Program) -> Outcome {
         let answer = session.obey(&words);
         wrong |= answer.is_err();
         let text = answer.unwrap_or_else(|error| format!("{}\n", annotate_snippets::normalize_untrusted_str(&error)));
-        if files::print(&text).is_err() {
-            break;
+        let printed = files::print(text.as_bytes());
+        if printed.is_err() {
+            return told(printed);
         }
     }
     // Nobody corrects what a script says.

@@ -3,7 +3,7 @@
 use super::args::{Simulate as Args, Trace};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, read, say, session, usage};
+use super::{Outcome, read, say, session, tell, usage};
 use crate::base::limits;
 use crate::ir::chart::{InputId, Machine};
 use crate::ir::scenario::Given;
@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Outcome {
         return session::run(&file.source, &machine, program);
     };
     match write(args, &machine, &recording) {
-        Ok(()) => outcome,
+        Ok(written) => outcome.and(written),
         Err(failed) => {
             report.files.push(failed);
             say(&report.human());
@@ -76,16 +76,18 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-fn write(args: &Args, machine: &Machine, recording: &Recording) -> Result<(), FileReport> {
+fn write(args: &Args, machine: &Machine, recording: &Recording) -> Result<Outcome, FileReport> {
     let text = match args.output {
         Trace::Table => recording.table(machine, usize::MAX),
         Trace::Csv => recording.csv(machine),
         Trace::Vcd => vcd::write(machine, recording),
     };
     let path = args.out.as_deref().unwrap_or(Path::new("-"));
+    if files::is_standard(path) {
+        return Ok(tell(&text));
+    }
     let written = Pending::prepare(path, text).and_then(Pending::commit);
-    // A reader that has gone has seen what it wanted.
-    written.or_else(|d| if files::is_standard(path) { Ok(()) } else { Err(FileReport::failed(files::show(path), d)) })
+    written.map(|()| Outcome::Fine).map_err(|d| FileReport::failed(files::show(path), d))
 }
 
 fn by_scenario(machine: &Machine, program: Program, index: usize, scans: Option<u64>) -> (Recording, Outcome) {

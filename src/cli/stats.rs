@@ -2,7 +2,7 @@
 
 use super::args::{Format, Stats as Args};
 use super::report::Report;
-use super::{Outcome, files, finish, read};
+use super::{Outcome, finish, read, tell};
 use crate::pipeline;
 use crate::stats::Stats;
 use serde::Serialize;
@@ -21,9 +21,9 @@ pub fn run(args: &Args) -> Outcome {
         Some(machine) if !report.has_errors() => Some(Stats::of(&machine, &pipeline::lower(&machine))),
         _ => None,
     };
-    if let (Some(stats), Format::Human) = (&stats, args.output.format) {
-        // Where it cannot be printed, nobody reads.
-        let _ = files::print(&stats.to_string());
-    }
-    finish("stats", args.output.format, &report, &Result { stats })
+    let told = match (&stats, args.output.format) {
+        (Some(stats), Format::Human) => tell(&stats.to_string()),
+        _ => Outcome::Fine,
+    };
+    told.and(finish("stats", args.output.format, &report, &Result { stats }))
 }

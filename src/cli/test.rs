@@ -3,7 +3,7 @@
 use super::args::{Format, Test as Args};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, finish, junit, read, say, usage};
+use super::{Outcome, finish, junit, read, say, tell, usage};
 use crate::base::LineIndex;
 use crate::ir::chart::Machine;
 use crate::pipeline;
@@ -93,6 +93,7 @@ pub fn run(args: &Args) -> Outcome {
     let human = args.output.format == Format::Human && !args.junit.as_deref().is_some_and(files::is_standard);
     let mut report = Report::default();
     let mut tests = Vec::new();
+    let mut told = Outcome::Fine;
     for path in &args.files {
         let machine = read(path, &mut report, pipeline::check).flatten();
         let (Some(machine), Some(file)) = (machine, report.files.last()) else { continue };
@@ -100,8 +101,7 @@ pub fn run(args: &Args) -> Outcome {
         play(&machine, file, args.filter.as_deref(), &mut tests);
         if human {
             let lines: String = tests[before..].iter().map(line).collect();
-            // Where it cannot be printed, nobody reads; so below.
-            let _ = files::print(&format!("{}\n{lines}", file.file));
+            told = told.and(tell(&format!("{}\n{lines}", file.file)));
         }
     }
     let failed = tests.iter().filter(|t| t.failure.is_some()).count();
@@ -112,8 +112,8 @@ pub fn run(args: &Args) -> Outcome {
             report.files.push(FileReport::failed(files::show(path), diagnostic));
         }
     }
-    if human {
-        let _ = files::print(&summary(&tests, passed, failed));
+    if human && !tests.is_empty() {
+        told = told.and(tell(&summary(&tests, passed, failed)));
     }
     let outcome = match args.output.format {
         // What the models are warned of is for `check`.
@@ -124,7 +124,23 @@ pub fn run(args: &Args) -> Outcome {
         Format::Human => Outcome::Fine,
         Format::Json => finish("test", Format::Json, &report, &Result { tests: &tests, passed, failed }),
     };
-    if failed > 0 { Outcome::Wrong } else { outcome }
+    // A filter that fits nothing any more is not a machine that has been tested.
+    let nothing = tests.is_empty() && !report.has_errors();
+    if nothing {
+        let word = if args.allow_empty { "note" } else { "error" };
+        say(&format!("{word}: no scenario was played: {}\n", why_nothing(args)));
+    }
+    let wrong = failed > 0 || nothing && !args.allow_empty;
+    told.and(outcome).and(if wrong { Outcome::Wrong } else { Outcome::Fine })
+}
+
+/// Why there was nothing to play.
+fn why_nothing(args: &Args) -> String {
+    let files = if args.files.len() == 1 { "the model has" } else { "the models have" };
+    match &args.filter {
+        Some(filter) => format!("{files} none whose name holds `{}`", normalize_untrusted_str(filter)),
+        None => format!("{files} none"),
+    }
 }
 
 /// Plays the scenarios of one model, each by every program.
@@ -200,10 +216,6 @@ fn summary(tests: &[Test], passed: usize, failed: usize) -> String {
             let _ = writeln!(text, "{}", format!("  {}", normalize_untrusted_str(line)).trim_end());
         }
     }
-    if tests.is_empty() {
-        text += "\nno scenarios to play\n";
-    } else {
-        let _ = writeln!(text, "\n{passed} passed, {failed} failed");
-    }
+    let _ = writeln!(text, "\n{passed} passed, {failed} failed");
     text
 }

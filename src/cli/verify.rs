@@ -4,7 +4,7 @@ use super::args::{Deny, Format, Verify as Args, VerifyEngine, VerifyProgram};
 use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
-use super::{Outcome, finish, needed, read, say, usage};
+use super::{Outcome, finish, needed, read, say, tell, usage};
 use crate::ir::chart::Machine;
 use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified, words};
 use crate::simulate::{tree, vcd};
@@ -83,11 +83,13 @@ pub fn run(args: &Args) -> Outcome {
         report.files.push(failed);
         written = false;
     }
-    finish("verify", args.output.format, &report, &result(&verified));
-    if args.output.format == Format::Human {
+    let mut given = finish("verify", args.output.format, &report, &result(&verified));
+    if args.output.format == Format::Human && verified.refusal.is_none() {
         // A step of the plant, and a writing, takes the system on as a scan does.
         let transition = if verified.machine.plant.by_steps && !args.open { "transitions" } else { "scans" };
-        say(&human(&verified, transition, begun.elapsed()));
+        given = given.and(tell(&human(&verified, transition, begun.elapsed())));
+    } else if let (Format::Human, Some(refusal)) = (args.output.format, verified.refusal) {
+        say(&format!("error: {refusal}\n"));
     }
     let fine = verified.answers.iter().all(|a| match a.status {
         Status::Holds => true,
@@ -95,7 +97,8 @@ pub fn run(args: &Args) -> Outcome {
         // Who declares a property or denies something wants to know; what all machines are asked may stay open.
         Status::Unknown(_) => !a.demand || matches!(a.question, Question::Assumable | Question::Moves),
     });
-    if fine && written && verified.refusal.is_none() { Outcome::Fine } else { Outcome::Wrong }
+    let fine = fine && written && verified.refusal.is_none();
+    given.and(if fine { Outcome::Fine } else { Outcome::Wrong })
 }
 
 /// What the pipeline is told, with what runs in front of the filter if nothing is said about that.
@@ -216,9 +219,6 @@ fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
 fn human(verified: &Verified, transitions: &str, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
-    if let Some(refusal) = verified.refusal {
-        return format!("error: {refusal}\n");
-    }
     for a in &verified.answers {
         // What all machines are asked is worth a line only where the answer is not what one hopes for.
         let own = matches!(a.question, Question::Declared(_) | Question::Assumable | Question::Moves);

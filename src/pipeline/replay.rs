@@ -5,7 +5,7 @@ use super::run::{Run, show};
 use super::verify::{Options, Question};
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::Machine;
-use crate::verify::export::witness;
+use crate::verify::export::{claim_named, witness};
 use crate::verify::machine::Subject;
 
 /// A run that shows what it says that it shows.
@@ -54,7 +54,7 @@ fn judge(
     };
     let mut named = None;
     if let Some(name) = claim {
-        let found = subject.system.claims.iter().position(|c| c.name == name);
+        let found = claim_named(&subject.system, name);
         named = Some(found.ok_or_else(|| unreadable(format!("the model claims nothing by the name `{name}`")))?);
     }
     let found = witness::read(&subject.system, text, named).map_err(unreadable)?;

@@ -1,12 +1,21 @@
-//! AIGER 1.9 (Biere, Heljanko, Wieringa, 2011), as text or in its binary form.
+//! AIGER, as text or in its binary form: of its first version (Biere, 2007), which all tools read, or of version 1.9 (Biere,
+//! Heljanko, Wieringa, 2011).
 //!
-//! It can say what never is, and what comes eventually: as what does not come again and again in a fair run, once
-//! that run has said that no answer is to come. What is always possible it cannot say, and the comment says so.
+//! Both can say what never is: the first by outputs that are never TRUE, in a system that is [`plain`]. Version 1.9 can
+//! also say what comes eventually: as what does not come again and again in a fair run, once that run has said that no
+//! answer is to come. What a file cannot say its comment names.
 
 use super::super::aig::Lit;
 use super::super::system::{Property, System};
-use super::{Told, bads, gates, line, symbols};
+use super::{Names, Told, bads, gates, plain};
 use std::fmt::Write;
+
+/// What a file can say.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Version {
+    First,
+    Latest,
+}
 
 /// The numbers that a system's nodes have in a file.
 struct Numbers {
@@ -36,16 +45,16 @@ impl Numbers {
     }
 
     /// The first line, latches, bads and constraints.
-    fn head(&self, told: &Told, form: &str) -> String {
+    fn head(&self, told: &Told, version: Version, form: &str) -> String {
         let system = &told.system;
         let (inputs, latches, bads) = (system.inputs.len(), system.latches.len(), bads(system));
-        let mut text = format!(
-            "{form} {} {inputs} {latches} 0 {} {} {}",
-            self.highest,
-            self.gates.len(),
-            bads.len(),
-            system.constraints.len()
-        );
+        let (most, gates) = (self.highest, self.gates.len());
+        let mut text = match version {
+            Version::First => format!("{form} {most} {inputs} {latches} {} {gates}", bads.len()),
+            Version::Latest => {
+                format!("{form} {most} {inputs} {latches} 0 {gates} {} {}", bads.len(), system.constraints.len())
+            }
+        };
         if !told.justice.is_empty() {
             let _ = write!(text, " {} {}", told.justice.len(), told.fair().len());
         }
@@ -87,22 +96,38 @@ impl Numbers {
     }
 }
 
-/// As text.
+/// In version 1.9, as text.
 pub fn ascii(system: &System) -> String {
-    let told = Told::new(system);
-    let numbers = Numbers::new(&told);
-    let mut text = numbers.head(&told, "aag");
+    text(&Told::new(system), Version::Latest)
+}
+
+/// In version 1.9, in the binary form.
+pub fn binary(system: &System) -> Vec<u8> {
+    bytes(&Told::new(system), Version::Latest)
+}
+
+/// In the first version, as text.
+pub fn first_ascii(system: &System) -> String {
+    text(&Told::without_justice(plain::of(system).system), Version::First)
+}
+
+/// In the first version, in the binary form.
+pub fn first_binary(system: &System) -> Vec<u8> {
+    bytes(&Told::without_justice(plain::of(system).system), Version::First)
+}
+
+fn text(told: &Told, version: Version) -> String {
+    let numbers = Numbers::new(told);
+    let mut text = numbers.head(told, version, "aag");
     for (gate, a, b) in numbers.gates() {
         let _ = writeln!(text, "{gate} {a} {b}");
     }
-    text + &names(&told)
+    text + &names(told, version)
 }
 
-/// In the binary form.
-pub fn binary(system: &System) -> Vec<u8> {
-    let told = Told::new(system);
-    let numbers = Numbers::new(&told);
-    let mut bytes = numbers.head(&told, "aig").into_bytes();
+fn bytes(told: &Told, version: Version) -> Vec<u8> {
+    let numbers = Numbers::new(told);
+    let mut bytes = numbers.head(told, version, "aig").into_bytes();
     for (gate, a, b) in numbers.gates() {
         for mut difference in [gate - a, a - b] {
             while difference >= 0x80 {
@@ -112,38 +137,38 @@ pub fn binary(system: &System) -> Vec<u8> {
             bytes.push(difference as u8);
         }
     }
-    bytes.extend(names(&told).into_bytes());
+    bytes.extend(names(told, version).into_bytes());
     bytes
 }
 
 /// The symbol table and the comment.
-fn names(told: &Told) -> String {
+fn names(told: &Told, version: Version) -> String {
     let system = &told.system;
     let mut text = String::new();
-    let symbols = symbols(system);
-    let (inputs, latches) = symbols.split_at(system.inputs.len());
-    for (kind, names) in [("i", inputs), ("l", latches)] {
+    let names = Names::new(system);
+    for (kind, names) in [("i", &names.inputs), ("l", &names.latches)] {
         for (i, name) in names.iter().enumerate() {
             let _ = writeln!(text, "{kind}{i} {name}");
         }
     }
-    for (i, (name, _)) in bads(system).into_iter().enumerate() {
-        let _ = writeln!(text, "b{i} {}", line(name));
+    let bad = if version == Version::First { "o" } else { "b" };
+    for (i, (claim, _)) in bads(system).into_iter().enumerate() {
+        let _ = writeln!(text, "{bad}{i} {}", names.claims[claim]);
     }
-    for (i, (name, _)) in told.justice.iter().enumerate() {
-        let _ = writeln!(text, "j{i} {}", line(name));
+    for (i, (claim, _)) in told.justice.iter().enumerate() {
+        let _ = writeln!(text, "j{i} {}", names.claims[*claim]);
     }
-    for (i, fair) in told.fair().iter().enumerate() {
-        let _ = writeln!(text, "f{i} {}", line(&fair.name));
+    for (i, _) in told.fair().iter().enumerate() {
+        let _ = writeln!(text, "f{i} {}", names.fair[i]);
     }
     text += "c\nmade by chartwright\n";
-    for claim in &system.claims {
-        match claim.property {
-            Property::Never(_) | Property::Eventually { .. } => {}
-            Property::AlwaysPossible(_) | Property::NeverStuck => {
-                let _ = writeln!(text, "left out, since AIGER cannot say it: {}", line(&claim.name));
-            }
-        }
+    for (claim, name) in system.claims.iter().zip(&names.claims) {
+        let cannot = match (claim.property, version) {
+            (Property::Never(_), _) | (Property::Eventually { .. }, Version::Latest) => continue,
+            (Property::Eventually { .. }, Version::First) => "AIGER before 1.9",
+            (Property::AlwaysPossible(_) | Property::NeverStuck, _) => "AIGER",
+        };
+        let _ = writeln!(text, "left out, since {cannot} cannot say it: {name}");
     }
     text
 }

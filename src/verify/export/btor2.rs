@@ -2,7 +2,7 @@
 
 use super::super::aig::Lit;
 use super::super::system::System;
-use super::{Told, bads, gates, symbols};
+use super::{Names, Told, bads, gates};
 use std::fmt::Write;
 
 struct Writer {
@@ -46,13 +46,12 @@ pub fn write(system: &System) -> String {
     };
     w.line("sort bitvec 1");
     w.of[0] = w.line("zero 1");
-    let names = symbols(system);
-    let (inputs, latches) = names.split_at(system.inputs.len());
-    for (input, name) in system.inputs.iter().zip(inputs) {
-        w.of[input.leaf.node()] = w.line(&format!("input 1 {}", symbol(name)));
+    let names = Names::new(system);
+    for (input, name) in system.inputs.iter().zip(&names.inputs) {
+        w.of[input.leaf.node()] = w.line(&format!("input 1 {name}"));
     }
-    for (latch, name) in system.latches.iter().zip(latches) {
-        w.of[latch.leaf.node()] = w.line(&format!("state 1 {}", symbol(name)));
+    for (latch, name) in system.latches.iter().zip(&names.latches) {
+        w.of[latch.leaf.node()] = w.line(&format!("state 1 {name}"));
     }
     for latch in &system.latches {
         if let Some(value) = latch.initial {
@@ -72,22 +71,17 @@ pub fn write(system: &System) -> String {
         let c = w.lit(c);
         w.line(&format!("constraint {c}"));
     }
-    for (name, bad) in bads(system) {
+    for (claim, bad) in bads(system) {
         let bad = w.lit(bad);
-        w.line(&format!("bad {bad} {}", symbol(name)));
+        w.line(&format!("bad {bad} {}", names.claims[claim]));
     }
-    for fair in told.fair() {
+    for (fair, name) in told.fair().iter().zip(&names.fair) {
         let holds = w.lit(fair.holds);
-        w.line(&format!("fair {holds} {}", symbol(&fair.name)));
+        w.line(&format!("fair {holds} {name}"));
     }
-    for (name, recurs) in &told.justice {
+    for (claim, recurs) in &told.justice {
         let recurs = w.lit(*recurs);
-        w.line(&format!("justice 1 {recurs} {}", symbol(name)));
+        w.line(&format!("justice 1 {recurs} {}", names.claims[*claim]));
     }
     w.text
-}
-
-/// A name without white space, and without what begins a comment.
-fn symbol(name: &str) -> String {
-    name.chars().map(|c| if c.is_whitespace() || c.is_control() || c == ';' { '_' } else { c }).collect()
 }

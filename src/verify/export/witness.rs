@@ -1,11 +1,11 @@
-//! The runs that model checkers find, in the form of AIGER 1.9 (`1`, the bad or justice, the latches before the
-//! first scan, the inputs of each scan, `.`) or of BTOR2 (`sat`, the same, frames of states `#0` and inputs `@0`, `.`).
+//! The runs that model checkers find, in the form of AIGER (`1`, the bad, output or justice, the latches before the
+//! first scan, the inputs of each scan, `.`), whichever version of it they were given, or of BTOR2 (`sat`, the same, frames of states `#0` and inputs `@0`, `.`).
 //!
 //! Files are written by others and may be cut off or damaged: all is checked, and an error says which line is wrong.
 
 use super::super::aig::lanes;
 use super::super::system::{Property, System, Trace};
-use super::Told;
+use super::{Told, plain};
 use std::fmt::Display;
 
 /// A run that another tool found.
@@ -49,7 +49,7 @@ fn wrong(number: usize, what: impl Display) -> String {
 fn claim(system: &System, named: Option<usize>, line: Option<Line<'_>>) -> Result<usize, String> {
     let (number, line) = line.ok_or("the text ends before a run")?;
     let words = line.split_whitespace().find_map(|word| {
-        let kind = word.chars().next().filter(|c| matches!(c, 'b' | 'j'))?;
+        let kind = word.chars().next().filter(|c| matches!(c, 'b' | 'o' | 'j'))?;
         word[1..].parse::<usize>().ok().map(|index| (kind, index))
     });
     let (kind, index) =
@@ -58,7 +58,7 @@ fn claim(system: &System, named: Option<usize>, line: Option<Line<'_>>) -> Resul
         return Ok(claim);
     }
     let of_kind = |property: Property| match property {
-        Property::Never(_) => kind == 'b',
+        Property::Never(_) => kind != 'j',
         Property::Eventually { .. } => kind == 'j',
         Property::AlwaysPossible(_) | Property::NeverStuck => false,
     };
@@ -86,13 +86,22 @@ fn aiger<'t>(
         }
         Ok(line.chars().map(|c| c == '1').collect())
     };
-    let initial = bits(lines.next().ok_or(ENDS)?, told.latches.len(), "latches")?;
+    let first = lines.next().ok_or(ENDS)?;
+    // What is added for the first version of AIGER is as many latches as for the other only where neither adds anything.
+    let plain = (first.1.len() != told.latches.len()).then(|| plain::of(system));
+    let plain = plain.filter(|plain| first.1.len() == plain.system.latches.len());
+    let exported = plain.as_ref().map_or(told, |plain| &plain.system);
+    let initial = bits(first, exported.latches.len(), "latches")?;
     let mut inputs = Vec::new();
     for line in lines {
         if line.1 == "." {
-            return Ok(Witness { claim, trace: bare(system, initial, inputs) });
+            let trace = match plain {
+                Some(plain) => plain.run(initial, inputs),
+                None => bare(system, initial, inputs),
+            };
+            return Ok(Witness { claim, trace });
         }
-        inputs.push(bits(line, told.inputs.len(), "inputs")?);
+        inputs.push(bits(line, exported.inputs.len(), "inputs")?);
     }
     Err(ENDS.to_owned())
 }

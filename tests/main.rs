@@ -5,6 +5,7 @@ mod cli;
 mod constraints;
 mod derive;
 mod docs;
+mod drawings;
 mod emit;
 mod explain;
 mod filters;

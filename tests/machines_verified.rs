@@ -61,7 +61,7 @@ fn violated(verified: &Verified) -> Vec<&str> {
 fn safe(text: &str, states: &str) {
     let verified = ask(text, Program::Any);
     assert_eq!(violated(&verified), [""; 0]);
-    assert_eq!(verified.states.expect("all states were explored").to_string(), states);
+    assert_eq!(verified.situations.expect("all states were explored").to_string(), states);
 }
 
 /// Asserts that a property whose name begins so is violated, behind any program.

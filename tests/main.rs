@@ -9,6 +9,7 @@ mod drawings;
 mod emit;
 mod explain;
 mod filters;
+mod findings;
 mod hand_edits;
 mod indexa_by_chance;
 mod invalid;

@@ -255,7 +255,7 @@ fn a_failure_is_reported_with_what_changed_before() {
     wrong.chart:66:3: too slow (chart)
       wait until Ahead within 100ms
       "it <must> be quick"
-      has not become so within 0.100 s, up to scan 11, 0.100 s
+      the condition has not become TRUE within 0.100 s, up to scan 11, 0.100 s
       Ahead = FALSE
 
       scan     time  inputs   outputs  states
@@ -266,7 +266,7 @@ fn a_failure_is_reported_with_what_changed_before() {
     wrong.chart:66:3: too slow (plc)
       wait until Ahead within 100ms
       "it <must> be quick"
-      has not become so within 0.100 s, up to scan 11, 0.100 s
+      the condition has not become TRUE within 0.100 s, up to scan 11, 0.100 s
       Ahead = FALSE
 
       scan     time  inputs   outputs  states

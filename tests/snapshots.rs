@@ -74,6 +74,7 @@ fn no_snapshot_is_orphaned() {
     let mut expected: BTreeSet<String> =
         models::all().iter().flat_map(|m| STAGES.map(|s| format!("{}/{s}.snap", m.name))).collect();
     expected.extend(models::invalid().iter().map(|name| format!("invalid/{name}.snap")));
+    expected.extend(crate::findings::SNAPSHOTS.map(|name| format!("findings/{name}.snap")));
     let mut found = BTreeSet::new();
     collect(&models::repository("snapshots"), "", &mut found);
     let orphans: Vec<_> = found.difference(&expected).collect();

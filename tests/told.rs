@@ -208,7 +208,7 @@ fn a_counterexample_shows_what_happens_between_scans_of_their_number_and_time() 
     let output = chartwright(d.path(), "test with.chart --filter found");
     let said = stdout(&output);
     assert_eq!(code(&output), 1, "{said}");
-    assert!(said.contains("is so after scan 2, 0.010 s") && said.contains("out: Stroke=2"), "{said}");
+    assert!(said.contains("the condition is TRUE after scan 2, 0.010 s") && said.contains("out: Stroke=2"), "{said}");
     let output = chartwright(d.path(), "verify cylinder.chart --format json");
     let json = stdout(&output);
     assert!(json.contains("\"between\"") && json.contains("\"happens\""), "{json}");

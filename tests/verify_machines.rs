@@ -10,7 +10,7 @@ use crate::support::small::{Plant, Small};
 use chartwright::ir::chart::{Atom, Drive, Machine};
 use chartwright::ir::expr::Expr;
 use chartwright::pipeline;
-use chartwright::pipeline::verify::{Program, Question, system, words};
+use chartwright::pipeline::verify::{Program, Question, system};
 use chartwright::verify::{Choice, Engine, Limits, Property, Verdict, check};
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ fn compare(seed: u64, small: &Small, program: Program, open: bool, tally: &mut T
             }
             let claim = &subject.system.claims[i];
             let what = || {
-                let words = words(&machine, subject.questions[i]);
+                let words = &claim.name;
                 let text = small.source();
                 format!("seed {seed}, {program:?}, open {open}, {choice:?}: {words}: not {truth:?}\n{text}")
             };

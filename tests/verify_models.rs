@@ -4,6 +4,7 @@ use crate::support::models::{self, Model};
 use crate::support::rng::Rng;
 use crate::support::{items, random};
 use chartwright::ir::chart::Mark;
+use chartwright::pipeline::findings::Findings;
 use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
 use chartwright::pipeline::{self};
 use chartwright::simulate::frame::Layout;
@@ -31,7 +32,7 @@ fn status(verified: &Verified, question: Question) -> Status {
 /// Questions with their verdicts, without those of which nothing is to be said.
 fn remarks(verified: &Verified) -> Vec<String> {
     let remarks = verified.answers.iter().filter(|a| a.status != Status::Holds);
-    remarks.map(|a| format!("{:?}: {}", a.status, pipeline::verify::words(&verified.machine, a.question))).collect()
+    remarks.map(|a| format!("{:?}: {}", a.status, Findings::new(&verified.machine, "").sentence(a))).collect()
 }
 
 #[test]
@@ -39,7 +40,7 @@ fn the_gate_keeps_its_properties() {
     let verified = ask(&model("properties").source, &options(false));
     let declared = (0..4).map(|i| status(&verified, Question::Declared(i)));
     assert_eq!(declared.collect::<Vec<_>>(), [Status::Holds; 4], "{:?}", remarks(&verified));
-    assert!(verified.states.is_some());
+    assert!(verified.situations.is_some());
     // Without the plant nobody says that the gate shuts, but P1 holds all the same: it is the filter's.
     let open = ask(&model("properties").source, &options(true));
     assert_eq!(status(&open, Question::Declared(0)), Status::Holds);

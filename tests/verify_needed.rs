@@ -220,9 +220,9 @@ fn the_command_line_says_it_by_its_exit_code() {
     let (fine, told, _) = run("verify p.chart --needed --scenario runs.chart");
     assert_eq!(fine, 0, "{told}");
     for line in [
-        "needed      S1: without it P1 is violated in scan 1",
-        "not needed  S2: implied by S1",
-        "not needed  S4\n",
+        "needed      S1 (line 12): without it P1 is violated in scan 1",
+        "not needed  S2 (line 13): implied by S1",
+        "not needed  S4 (line 15): no property that is asked is violated without it\n",
         "2 of 5 constraints are needed, 3 are not",
     ] {
         assert!(told.contains(line), "{told}");
@@ -243,7 +243,7 @@ fn the_command_line_says_it_by_its_exit_code() {
     assert_eq!(run("verify c.chart").0, 0);
     let (wrong, told, _) = run("verify c.chart --deny overlap,saturates");
     assert!(
-        wrong == 1 && told.contains("violated  Parts: nothing beyond 0..3 is assigned to it (in scan 8)"),
+        wrong == 1 && told.contains("denied    assigned beyond 0..3 in scan 8: Parts (line 6); it stops at the bound"),
         "{told}"
     );
     assert_eq!(run("verify c.chart --deny acts,void").0, 0);

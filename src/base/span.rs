@@ -47,4 +47,10 @@ impl LineIndex {
         let line = self.starts.partition_point(|&s| s <= offset);
         (line, (offset - self.starts[line - 1]) as usize + 1)
     }
+
+    /// The same with the column in characters, for an offset that begins one of `text`.
+    pub fn character(&self, text: &str, offset: usize) -> (usize, usize) {
+        let (line, column) = self.position(offset as u32);
+        (line, text[offset + 1 - column..offset].chars().count() + 1)
+    }
 }

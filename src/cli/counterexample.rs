@@ -1,7 +1,7 @@
 //! A run that shows something, as people read it.
 
 use crate::ir::chart::Machine;
-use crate::pipeline::verify::{Question, Run, words};
+use crate::pipeline::verify::Run;
 use crate::simulate::record::Recording;
 use crate::simulate::scenario::Moment;
 use crate::simulate::tree;
@@ -37,9 +37,9 @@ pub fn recording(run: &Run) -> Recording {
     recording
 }
 
-/// What the run shows: scan by scan what changes, then the active states and the rungs of the last scan.
-pub fn human(machine: &Machine, question: Question, run: &Run) -> String {
-    let mut text = words(machine, question);
+/// What the run shows, in words and scan by scan: what changes, then the active states and the rungs of the last scan.
+pub fn human(machine: &Machine, shows: &str, run: &Run) -> String {
+    let mut text = shows.to_owned();
     if run.frames.is_empty() && run.between.is_empty() {
         return text + "\nfrom the beginning\n";
     }

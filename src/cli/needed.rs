@@ -3,10 +3,12 @@
 use super::args::{Format, Verify as Args, VerifyProgram};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
+use super::verify::{JsonPlace, places};
 use super::{Outcome, counterexample, finish, read, say, tell, verify};
 use crate::ir::chart::{ConstraintId, Machine};
+use crate::pipeline::findings::Findings;
 use crate::pipeline::needed::{Kept, Loss, Needed, Without, needed};
-use crate::pipeline::verify::{Run, property};
+use crate::pipeline::verify::{Question, Run};
 use crate::simulate::vcd;
 use serde::Serialize;
 use std::cell::Cell;
@@ -24,6 +26,7 @@ struct Result {
 #[derive(Serialize)]
 struct JsonProperty {
     property: String,
+    places: Vec<JsonPlace>,
     verdict: &'static str,
     reason: Option<String>,
 }
@@ -31,6 +34,7 @@ struct JsonProperty {
 #[derive(Serialize)]
 struct JsonConstraint {
     constraint: String,
+    places: Vec<JsonPlace>,
     verdict: &'static str,
     /// The property that is violated without it, or stays open.
     property: Option<String>,
@@ -76,9 +80,11 @@ pub fn run(args: &Args) -> Outcome {
         report.files.push(failed);
         written = false;
     }
-    let mut given = finish("verify", args.output.format, &report, &result(&found));
+    let source = report.files.first().map_or("", |file| &file.source);
+    let findings = Findings::new(&found.machine, source);
+    let mut given = finish("verify", args.output.format, &report, &result(&found, &findings, source));
     if args.output.format == Format::Human {
-        given = given.and(tell(&human(&found, begun.elapsed())));
+        given = given.and(tell(&human(&found, &findings, begun.elapsed())));
     }
     let settled = found.without.iter().all(|(_, without)| match without {
         Without::Violated(loss) => loss.certain,
@@ -124,10 +130,12 @@ fn name(machine: &Machine, constraint: ConstraintId) -> &str {
     &machine.safety.constraints[constraint].name
 }
 
-fn result(found: &Needed) -> Result {
+fn result(found: &Needed, findings: &Findings<'_>, source: &str) -> Result {
     let machine = &found.machine;
+    let place = |question| places(source, findings.places(question));
     let properties = found.properties.iter().map(|&(i, kept)| JsonProperty {
-        property: property(machine, i),
+        property: findings.property(i),
+        places: place(Question::Declared(i)),
         verdict: match kept {
             Kept::Yes => "holds",
             Kept::No => "violated",
@@ -138,6 +146,7 @@ fn result(found: &Needed) -> Result {
     let constraints = found.without.iter().map(|(id, without)| {
         let mut json = JsonConstraint {
             constraint: name(machine, *id).to_owned(),
+            places: place(Question::Acts(*id)),
             verdict: verdict(without),
             property: None,
             scans: None,
@@ -150,7 +159,7 @@ fn result(found: &Needed) -> Result {
         };
         match without {
             Without::Violated(loss) => {
-                json.property = Some(property(machine, loss.property));
+                json.property = Some(findings.property(loss.property));
                 json.reason = (!loss.certain).then(|| DOUBT.to_owned());
                 if let Some(run) = &loss.run {
                     json.scans = Some(run.frames.len());
@@ -168,7 +177,7 @@ fn result(found: &Needed) -> Result {
                 json.implied_by = implied.as_ref().map(names);
             }
             Without::Unknown(i, limit) => {
-                json.property = Some(property(machine, *i));
+                json.property = Some(findings.property(*i));
                 json.reason = Some(limit.to_string());
             }
             Without::Unverified(refusal) => json.reason = Some(refusal.to_string()),
@@ -181,33 +190,39 @@ fn result(found: &Needed) -> Result {
 /// Why a property that is violated without a constraint does not tell that this is needed.
 const DOUBT: &str = "nobody knows whether it holds with all constraints";
 
-fn human(found: &Needed, time: Duration) -> String {
+fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
     let machine = &found.machine;
     let mut text = String::new();
     for &(i, kept) in &found.properties {
         let _ = match kept {
-            Kept::Yes => writeln!(text, "holds       {}", property(machine, i)),
-            Kept::No => writeln!(text, "violated    {} (and so it does not tell what is needed)", property(machine, i)),
-            Kept::Unknown(limit) => writeln!(text, "unknown     {} ({limit})", property(machine, i)),
+            Kept::Yes => writeln!(text, "holds       {}", findings.property(i)),
+            Kept::No => writeln!(
+                text,
+                "violated    {} (with all constraints, so it does not tell what is needed)",
+                findings.property(i)
+            ),
+            Kept::Unknown(limit) => writeln!(text, "unknown     {} ({limit})", findings.property(i)),
         };
     }
     if found.properties.iter().all(|(_, kept)| *kept == Kept::No) {
         return text + "No declared property holds, so there is nothing that a constraint could be needed for.\n";
     }
     for (id, without) in &found.without {
-        let _ = write!(text, "{:<10}  {}", verdict(without), name(machine, *id));
+        let _ = write!(text, "{:<10}  {}", verdict(without), findings.constraint_name(*id));
         let _ = match without {
             Without::Violated(loss) => write!(text, ": without it {}", lost(machine, loss)),
             Without::Refused(error) => {
                 write!(text, ": without it the compiler refuses the model ({}: {})", error.code, error.message)
             }
-            Without::Kept(None) => Ok(()),
+            Without::Kept(None) => write!(text, ": no property that is asked is violated without it"),
             Without::Kept(Some(implied)) if implied.is_empty() => write!(text, ": implied by the assumptions"),
             Without::Kept(Some(implied)) => {
                 let names: Vec<&str> = implied.iter().map(|&c| name(machine, c)).collect();
                 write!(text, ": implied by {}", names.join(", "))
             }
-            Without::Unknown(i, limit) => write!(text, ": {} without it? ({limit})", machine.properties[*i].name),
+            Without::Unknown(i, limit) => {
+                write!(text, ": does {} hold without it? ({limit})", machine.properties[*i].name)
+            }
             Without::Unverified(refusal) => write!(text, ": {refusal}"),
         };
         text.push('\n');

@@ -38,11 +38,14 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     let outcome = finish("prove", args.output.format, &report, &result);
-    outcome.and(match (args.output.format, &result.trace) {
-        (Format::Human, Some(trace)) => tell(&format!("\n{trace}")),
-        (Format::Human, None) if result.verdict == "proved" => {
-            tell("proved: one scan of the program is one scan of the chart\n")
-        }
-        _ => Outcome::Fine,
-    })
+    if args.output.format == Format::Json {
+        return outcome;
+    }
+    let verdict = match result.verdict {
+        "proved" => "proved: one scan of the program is one scan of the chart\n",
+        "refuted" => "refuted: the program does something else than the chart, as the table shows\n",
+        _ => "undecided: neither proved nor refuted\n",
+    };
+    let trace = result.trace.as_ref().map_or_else(String::new, |trace| format!("\n{trace}"));
+    outcome.and(tell(&format!("{trace}{verdict}")))
 }

@@ -4,17 +4,23 @@ use super::args::{Format, Replay as Args};
 use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
+use super::verify::{JsonPlace, places};
 use super::{Outcome, finish, tell, usage, verify};
+use crate::pipeline::findings::Findings;
 use crate::pipeline::replay::{Replayed, replay};
-use crate::pipeline::verify::{Options, words};
+use crate::pipeline::verify::Options;
 use crate::simulate::vcd;
 use serde::Serialize;
 
 /// The JSON document's part.
 #[derive(Serialize)]
 struct Result {
-    /// What the run answers.
-    question: String,
+    /// What it is about.
+    kind: &'static str,
+    /// What the run shows, in words.
+    says: String,
+    /// What it speaks of.
+    places: Vec<JsonPlace>,
     /// How many scans it takes.
     scans: usize,
     /// What happens between scans on the way, in order; left out where there is nothing of the kind.
@@ -60,8 +66,11 @@ pub fn run(args: &Args) -> Outcome {
             }
         }
     }
+    let source = report.files.first().map_or("", |file| &file.source);
     let result = replayed.as_ref().map(|Replayed { machine, question, run }| Result {
-        question: words(machine, *question),
+        kind: question.word(),
+        says: Findings::new(machine, source).shown(*question, run),
+        places: places(source, Findings::new(machine, source).places(*question)),
         scans: run.frames.len(),
         between: counterexample::between(run),
         repeats: run.repeats,
@@ -72,7 +81,8 @@ pub fn run(args: &Args) -> Outcome {
     if args.output.format == Format::Human
         && let Some(Replayed { machine, question, run }) = &replayed
     {
-        return outcome.and(tell(&counterexample::human(machine, *question, run)));
+        let shows = Findings::new(machine, source).shown(*question, run);
+        return outcome.and(tell(&counterexample::human(machine, &shows, run)));
     }
     outcome
 }

@@ -157,8 +157,8 @@ impl Report {
 fn json<'a>(source: &str, lines: &LineIndex, d: &'a Diagnostic) -> JsonDiagnostic<'a> {
     let labels = d.labels.iter().map(|label| {
         let Range { start, end } = within(source, label.span);
-        let (line, column) = position(source, lines, start);
-        let (end_line, end_column) = position(source, lines, end);
+        let (line, column) = lines.character(source, start);
+        let (end_line, end_column) = lines.character(source, end);
         JsonLabel { line, column, end_line, end_column, start, end, text: &label.text }
     });
     JsonDiagnostic {
@@ -169,12 +169,6 @@ fn json<'a>(source: &str, lines: &LineIndex, d: &'a Diagnostic) -> JsonDiagnosti
         labels: labels.collect(),
         help: &d.help,
     }
-}
-
-/// Line and column in characters.
-fn position(source: &str, lines: &LineIndex, offset: usize) -> (usize, usize) {
-    let (line, column) = lines.position(offset as u32);
-    (line, source[offset + 1 - column..offset].chars().count() + 1)
 }
 
 /// The span as a range of whole characters of the text.
@@ -235,7 +229,7 @@ fn without_lines<'a>(
 ) -> Group<'a> {
     let lines = LineIndex::new(&file.source);
     for (i, (place, label)) in places.iter().zip(&d.labels).enumerate() {
-        let (line, column) = position(&file.source, &lines, place.start);
+        let (line, column) = lines.character(&file.source, place.start);
         if i == 0 {
             group = group.element(Origin::path(&file.file).line(line).char_column(column));
         }

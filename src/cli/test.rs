@@ -176,14 +176,19 @@ fn failed(machine: &Machine, source: &str, failure: &Failure, recording: &Record
         (false, _) => (format!("in {scan}"), format!("after {scan}")),
     };
     let message = match failure.kind {
-        Expectation::Now => format!("is not so {at_end}"),
+        Expectation::Now => format!("the condition is FALSE {at_end}"),
         Expectation::Within(n) => {
-            format!("has not become so within {}, up to {scan}", seconds(u64::from(n) * u64::from(machine.cycle)))
+            format!(
+                "the condition has not become TRUE within {}, up to {scan}",
+                seconds(u64::from(n) * u64::from(machine.cycle))
+            )
         }
-        Expectation::Always => format!("is not so any more {at}"),
-        Expectation::Never => format!("is so {at}"),
-        Expectation::Happens => format!("cannot happen {at}"),
-        Expectation::BeforeWriting => format!("is too late {at}: no outputs wait to be written"),
+        Expectation::Always => format!("the condition is FALSE {at}"),
+        Expectation::Never => format!("the condition is TRUE {at}"),
+        Expectation::Happens => format!("this step of the plant cannot happen {at}"),
+        Expectation::BeforeWriting => {
+            format!("this step of the plant comes too late {at}: no outputs wait to be written")
+        }
     };
     Failed {
         line,

@@ -5,8 +5,10 @@ use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, finish, needed, read, say, tell, usage};
+use crate::base::LineIndex;
 use crate::ir::chart::Machine;
-use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified, words};
+use crate::pipeline::findings::{Findings, Place};
+use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified};
 use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
 use serde::Serialize;
@@ -24,14 +26,19 @@ struct Result {
     latches: usize,
     inputs: usize,
     /// A number that may be larger than a JSON reader takes.
-    states: Option<String>,
+    situations: Option<String>,
     scans: Option<usize>,
 }
 
 #[derive(Serialize)]
 struct JsonAnswer {
-    question: String,
+    /// What it is about.
+    kind: &'static str,
     verdict: &'static str,
+    /// What is so, in words.
+    says: String,
+    /// What it speaks of.
+    places: Vec<JsonPlace>,
     engine: &'static str,
     /// Whether the machine is wrong if it is violated.
     demand: bool,
@@ -50,6 +57,24 @@ struct JsonAnswer {
     /// The rungs that drove the outputs in question in the last scan.
     rungs: Option<String>,
     scenario: Option<String>,
+}
+
+/// Something of the model: where it begins, from 1, the column in characters.
+#[derive(Serialize)]
+pub struct JsonPlace {
+    name: String,
+    line: usize,
+    column: usize,
+}
+
+/// Things of a model for JSON.
+pub fn places(source: &str, places: Vec<Place>) -> Vec<JsonPlace> {
+    let lines = LineIndex::new(source);
+    let place = |Place { name, span }| {
+        let (line, column) = lines.character(source, span.range().start);
+        JsonPlace { name, line, column }
+    };
+    places.into_iter().map(place).collect()
 }
 
 /// Runs `chartwright verify`.
@@ -83,11 +108,13 @@ pub fn run(args: &Args) -> Outcome {
         report.files.push(failed);
         written = false;
     }
-    let mut given = finish("verify", args.output.format, &report, &result(&verified));
+    let source = report.files.first().map_or("", |file| &file.source);
+    let findings = Findings::new(&verified.machine, source);
+    let mut given = finish("verify", args.output.format, &report, &result(&verified, &findings, source));
     if args.output.format == Format::Human && verified.refusal.is_none() {
         // A step of the plant, and a writing, takes the system on as a scan does.
         let transition = if verified.machine.plant.by_steps && !args.open { "transitions" } else { "scans" };
-        given = given.and(tell(&human(&verified, transition, begun.elapsed())));
+        given = given.and(tell(&human(&verified, &findings, transition, begun.elapsed())));
     } else if let (Format::Human, Some(refusal)) = (args.output.format, verified.refusal) {
         say(&format!("error: {refusal}\n"));
     }
@@ -122,7 +149,7 @@ pub fn options(args: &Args, otherwise: VerifyProgram) -> Options {
     }
 }
 
-/// What is not left to people to judge.
+/// What makes the machine wrong if it is found.
 fn denied(deny: &[Deny]) -> Vec<Kind> {
     let kinds = |deny: &Deny| match deny {
         Deny::Void => vec![Kind::Void],
@@ -169,12 +196,15 @@ fn write(args: &Args, verified: &Verified) -> Vec<FileReport> {
     failed
 }
 
+/// One word for an answer. What is for people to judge is found or absent: that it holds would say the opposite of its kind.
 fn verdict(answer: &Answer) -> &'static str {
-    match answer.status {
-        Status::Holds => "holds",
-        Status::Violated if answer.demand => "violated",
-        Status::Violated => "to judge",
-        Status::Unknown(_) => "unknown",
+    match (answer.status, answer.question.kind(), answer.demand) {
+        (Status::Holds, None, _) => "holds",
+        (Status::Violated, None, _) => "violated",
+        (Status::Holds, Some(_), _) => "absent",
+        (Status::Violated, Some(_), false) => "found",
+        (Status::Violated, Some(_), true) => "denied",
+        (Status::Unknown(_), ..) => "unknown",
     }
 }
 
@@ -187,10 +217,12 @@ fn engine(engine: Engine) -> &'static str {
     }
 }
 
-fn result(verified: &Verified) -> Result {
+fn result(verified: &Verified, findings: &Findings<'_>, source: &str) -> Result {
     let answers = verified.answers.iter().map(|a| JsonAnswer {
-        question: words(&verified.machine, a.question),
+        kind: a.question.word(),
         verdict: verdict(a),
+        says: findings.sentence(a),
+        places: places(source, findings.places(a.question)),
         engine: engine(a.engine),
         demand: a.demand,
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
@@ -207,7 +239,7 @@ fn result(verified: &Verified) -> Result {
         answers: answers.collect(),
         latches: verified.latches,
         inputs: verified.inputs,
-        states: verified.states.clone(),
+        situations: verified.situations.clone(),
         scans: verified.scans,
     }
 }
@@ -216,51 +248,58 @@ fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
     run.frames.last().map(|frame| tree::show(machine, frame))
 }
 
-fn human(verified: &Verified, transitions: &str, time: Duration) -> String {
+/// What is counted, kind by kind: the word of the kind, whether those that hold are counted or the others, and what they are.
+const COUNTED: [(&str, bool, &str); 7] = [
+    ("constraint", true, "constraints are kept"),
+    ("unreachable", true, "states are active in some run"),
+    ("silent", true, "transitions fire in some run"),
+    ("overlap", false, "pairs of transitions are enabled together, so that their order decides"),
+    ("saturates", false, "integers stop at a bound"),
+    ("acts", false, "constraints make the filter act"),
+    ("void", false, "properties say nothing"),
+];
+
+/// How many answers of each kind there are.
+fn counts(verified: &Verified) -> String {
+    let mut text = String::new();
+    for (kind, holds, what) in COUNTED {
+        let asked: Vec<&Answer> = verified.answers.iter().filter(|a| a.question.word() == kind).collect();
+        let wanted = if holds { Status::Holds } else { Status::Violated };
+        let count = asked.iter().filter(|a| a.status == wanted).count();
+        let unknown = asked.iter().filter(|a| matches!(a.status, Status::Unknown(_))).count();
+        if asked.is_empty() || !holds && count + unknown == 0 {
+            continue;
+        }
+        let _ = match unknown {
+            0 => writeln!(text, "{count} of {} {what}", asked.len()),
+            _ => writeln!(text, "at least {count} of {} {what}; of {unknown} nobody knows", asked.len()),
+        };
+    }
+    text
+}
+
+fn human(verified: &Verified, findings: &Findings<'_>, transitions: &str, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
     for a in &verified.answers {
-        // What all machines are asked is worth a line only where the answer is not what one hopes for.
+        // What all machines are asked is worth a line only where there is something to say.
         let own = matches!(a.question, Question::Declared(_) | Question::Assumable | Question::Moves);
-        if a.status == Status::Holds && !own {
-            continue;
-        }
-        let _ = write!(text, "{:<8}  {}", verdict(a), words(machine, a.question));
-        match (&a.run, a.status) {
-            (_, Status::Unknown(limit)) => {
-                let _ = write!(text, " ({limit})");
-            }
-            (Some(run), _) if run.is_empty() => text += " (from the beginning)",
-            (Some(run), _) => {
-                let least = if run.shortest { "" } else { ", perhaps not the shortest run" };
-                let _ = write!(text, " ({}{least})", run.end());
-            }
-            (None, _) => {}
-        }
-        text.push('\n');
-    }
-    let kind = |question| match question {
-        Question::Violated(_) => "constraints are kept",
-        Question::Active(_) => "states are reachable",
-        Question::Fires(_) => "transitions can fire",
-        _ => "",
-    };
-    for what in ["constraints are kept", "states are reachable", "transitions can fire"] {
-        let asked: Vec<&Answer> = verified.answers.iter().filter(|a| kind(a.question) == what).collect();
-        if !asked.is_empty() {
-            let hold = asked.iter().filter(|a| a.status == Status::Holds).count();
-            let _ = writeln!(text, "{hold} of {} {what}", asked.len());
+        if a.status != Status::Holds || own {
+            let _ = writeln!(text, "{:<8}  {}", verdict(a), findings.sentence(a));
         }
     }
+    text += &counts(verified);
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
         let run = a.run.as_ref().expect("a counterexample has a run");
         if !run.is_empty() {
-            let _ = write!(text, "\n{}", counterexample::human(machine, a.question, run));
+            let _ = write!(text, "\n{}", counterexample::human(machine, &findings.sentence(a), run));
         }
     }
-    let _ = match (&verified.states, verified.scans) {
-        (Some(states), Some(scans)) => writeln!(text, "\n{states} states, all within {scans} {transitions}"),
-        _ => writeln!(text, "\nnot all states were explored"),
+    let _ = match (&verified.situations, verified.scans) {
+        (Some(situations), Some(scans)) => {
+            writeln!(text, "\n{situations} situations, all within {scans} {transitions}")
+        }
+        _ => writeln!(text, "\nnot all situations were explored"),
     };
     let _ = writeln!(
         text,

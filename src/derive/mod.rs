@@ -115,7 +115,7 @@ fn derived(source: &Name, name: String, parts: Vec<Condition>, yields: Option<&N
         sources: vec![source.text.clone()],
         constraint: Constraint {
             name: Name { text: shortened(name), span },
-            never: Guard { expr: Expr::all(parts), span },
+            never: Guard { expr: Expr::all(parts), written: String::new(), span },
             yields: yields.map(|n| Name { text: n.text.clone(), span }).into_iter().collect(),
             text: Some(Text { value: text, span }),
         },

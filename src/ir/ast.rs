@@ -194,6 +194,8 @@ pub struct Limit {
 pub struct Guard {
     /// The expression.
     pub expr: Expr<Term>,
+    /// As it is written, without comments, on one line; nothing if nobody has written it.
+    pub written: String,
     /// Where.
     pub span: Span,
 }

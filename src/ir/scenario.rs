@@ -244,6 +244,10 @@ pub struct Property {
     pub after: Option<Condition>,
     /// What, at the end of a scan.
     pub condition: Condition,
+    /// All that it says, as it is written.
+    pub says: String,
+    /// The condition, as it is written.
+    pub written: String,
     /// Why, in words.
     pub text: String,
     /// Where its name stands.

@@ -505,7 +505,14 @@ fn path_ref(p: Pair<'_, Rule>) -> PathRef {
 
 pub fn guard(p: Pair<'_, Rule>) -> Guard {
     let span = span(&p);
-    Guard { expr: expression(p), span }
+    let written = on_one_line(p.as_str());
+    Guard { expr: expression(p), written, span }
+}
+
+/// A condition as it is written, without comments and with one space where there are several. No text stands in it.
+fn on_one_line(written: &str) -> String {
+    let code = written.lines().map(|line| line.split_once("//").map_or(line, |(code, _)| code));
+    code.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
 
 /// An expression; recursion is bounded by the nesting limit of parentheses.

@@ -1,5 +1,6 @@
 //! The one place that knows the order of the stages.
 
+pub mod findings;
 pub mod needed;
 pub mod replay;
 mod run;

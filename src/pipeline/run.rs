@@ -1,7 +1,8 @@
 //! A run of the system to what people see of it: its scans, what happens between them, and the scenario that plays it.
 
+use super::findings::headline;
 use super::rungs;
-use super::verify::{Options, Question, quoted, text, words};
+use super::verify::{Options, Question, quoted};
 use crate::base::Span;
 use crate::ir::chart::{Atom, InputId, Machine, Mark, OutputId};
 use crate::ir::scenario::{BitId, Condition, Doing, Given, Happening, PropertyKind, Scenario, Seen, Step, Told};
@@ -422,8 +423,8 @@ fn scenario(machine: &Machine, question: Question, options: &Options, doings: &[
         [] => String::new(),
         names => format!(" without {}", names.join(", ")),
     };
-    let name = format!("found by verification{without}: {}", words(machine, question));
-    let condition = |i: usize| text(machine, &machine.properties[i].condition);
+    let name = format!("found by verification{without}: {}", headline(machine, question));
+    let condition = |i: usize| &machine.properties[i].written;
     let (mut watch, mut end) = (String::new(), String::new());
     if let Question::Acts(c) = question {
         watch = format!("  never acts({})\n", machine.safety.constraints[c].name);

@@ -4,14 +4,13 @@ use super::run::show;
 use super::without;
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
-use crate::ir::number::Range;
-use crate::ir::scenario::Condition;
+use crate::ir::expr::{CHART, Expr};
 use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::{Limit, Limits, Verdict};
 
 pub use super::run::{Between, Run};
-pub use crate::verify::machine::questions::{Kind, Question, transition};
+pub use crate::verify::machine::questions::{Kind, Question};
 pub use crate::verify::machine::{Program, Refusal};
 
 /// What [`verify`] is told.
@@ -23,7 +22,7 @@ pub struct Options {
     pub open: bool,
     /// The names of constraints without which the model is verified, as if they had not been written.
     pub without: Vec<String>,
-    /// What is not left to people to judge: it makes the machine wrong.
+    /// What makes the machine wrong if it is found, and is not left to people to judge.
     pub deny: Vec<Kind>,
     /// Which engines may be used.
     pub choice: Choice,
@@ -64,8 +63,8 @@ pub struct Verified {
     pub latches: usize,
     /// How many bits come in.
     pub inputs: usize,
-    /// How many states are reachable, if all of them were found.
-    pub states: Option<String>,
+    /// In how many situations it can be, if all of them were found.
+    pub situations: Option<String>,
     /// After how many transitions there was no new one: scans, and with a plant by steps what happens between them.
     pub scans: Option<usize>,
 }
@@ -106,7 +105,7 @@ pub fn verify(
     let (machine, diagnostics) = without::check(source, &options.without);
     let Some(machine) = machine else { return (None, diagnostics) };
     let mut verified =
-        Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, states: None, scans: None };
+        Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, situations: None, scans: None };
     let subject = match Subject::new(&verified.machine, options.program, options.open) {
         Ok(subject) => subject,
         Err(refusal) => {
@@ -137,7 +136,7 @@ pub fn verify(
     }
     verified.latches = subject.system.latches.len();
     verified.inputs = subject.system.inputs.len();
-    verified.states = report.states.map(|s| s.to_string());
+    verified.situations = report.states.map(|s| s.to_string());
     verified.scans = report.scans;
     verified.answers = answers;
     (Some(verified), diagnostics)
@@ -156,51 +155,10 @@ pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject
     Subject::new(machine, program, open)
 }
 
-/// What a question asks, in words.
-pub fn words(machine: &Machine, question: Question) -> String {
-    match question {
-        Question::Declared(i) => property(machine, i),
-        Question::Arises(i) => {
-            format!("{}: what it speaks of happens in a fair run", machine.properties[i].name)
-        }
-        Question::Violated(c) => {
-            let c = &machine.safety.constraints[c];
-            format!("{}: the outputs never violate it", c.name)
-        }
-        Question::Assumable => "the assumptions leave inputs in every scan".to_owned(),
-        Question::Moves => "it is always possible that a transition fires".to_owned(),
-        Question::Active(s) => format!("{} is reachable", machine.state_path(s)),
-        Question::Fires(t) => format!("{} can fire", transition(machine, t)),
-        Question::Together(a, b) => {
-            format!("{} and {} are never enabled together", transition(machine, a), transition(machine, b))
-        }
-        Question::Beyond(i) => {
-            let integer = &machine.integers[i];
-            let Range { lowest, highest } = integer.range;
-            format!("{}: nothing beyond {lowest}..{highest} is assigned to it", integer.name)
-        }
-        Question::Acts(c) => format!("{}: the filter never has to act", machine.safety.constraints[c].name),
-    }
-}
-
-/// A property by its name, and what it says.
-pub fn property(machine: &Machine, property: usize) -> String {
-    format!("{}: {}", machine.properties[property].name, says(machine, property))
-}
-
-/// What a property says, in the words of the language.
-fn says(machine: &Machine, property: usize) -> String {
-    let p = &machine.properties[property];
-    match &p.after {
-        Some(after) => format!("after {} eventually {}", text(machine, after), text(machine, &p.condition)),
-        None => format!("{} {}", p.kind.words(), text(machine, &p.condition)),
-    }
-}
-
-/// A condition in the words of the language.
-pub(super) fn text(machine: &Machine, condition: &Condition) -> String {
+/// A condition in the words of the language, with the names of what it reads.
+pub(super) fn condition<A>(condition: &Expr<A>, name: &dyn Fn(&A) -> String) -> String {
     let mut out = String::new();
-    let written = condition.write(&mut out, &crate::ir::expr::CHART, &mut |a, f| f.write_str(&machine.seen(*a)));
+    let written = condition.write(&mut out, &CHART, &mut |a, f| f.write_str(&name(a)));
     written.expect("writing to a string succeeds");
     out
 }

@@ -136,7 +136,7 @@ impl Maker<'_, '_> {
             let action = |value, condition: Expr<Term>| Action {
                 variable: name("Requested"),
                 value,
-                condition: Some(Guard { expr: condition, span: f.name.span }),
+                condition: Some(Guard { expr: condition, written: String::new(), span: f.name.span }),
             };
             let mut actions = vec![action(true, asked.clone()), action(false, unasked.clone())];
             actions.extend(abort.clone().map(|abort| action(false, abort)));
@@ -366,7 +366,7 @@ fn transition(from: &Name, to: &Name, guard: Option<Expr<Term>>, effects: Vec<Ef
         target: Target::State(path(to)),
         movement: None,
         priority: None,
-        guard: guard.map(|expr| Guard { expr, span }),
+        guard: guard.map(|expr| Guard { expr, written: String::new(), span }),
         effects,
         description: None,
         span,
@@ -374,7 +374,13 @@ fn transition(from: &Name, to: &Name, guard: Option<Expr<Term>>, effects: Vec<Ef
 }
 
 fn internal(guard: Expr<Term>, effects: Vec<Effect>, span: Span) -> Internal {
-    Internal { priority: None, guard: Guard { expr: guard, span }, effects, description: None, span }
+    Internal {
+        priority: None,
+        guard: Guard { expr: guard, written: String::new(), span },
+        effects,
+        description: None,
+        span,
+    }
 }
 
 fn set(variable: Name) -> Effect {

@@ -25,6 +25,11 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             kind: written.kind,
             after,
             condition,
+            says: match &written.after {
+                Some(after) => format!("after {} eventually {}", after.written, written.condition.written),
+                None => format!("{} {}", written.kind.words(), written.condition.written),
+            },
+            written: written.condition.written.clone(),
             text: describe(&written.text),
             span: written.name.span,
         });

@@ -185,6 +185,7 @@ fn constraint(r: &mut Resolver, written: &ast::Constraint) {
         }
     }
     r.machine.safety.constraints.push(chart::Constraint {
+        written: written.never.written.clone(),
         name: name.text.clone(),
         text: describe(&written.text),
         never,

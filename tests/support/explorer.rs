@@ -221,7 +221,7 @@ impl<'m> Explorer<'m> {
                 Question::Moves => !scan.fired.is_empty(),
                 Question::Active(s) => state(s),
                 Question::Fires(t) => scan.fired.contains(&t),
-                Question::Together(a, b) => scan.enabled[a.index()] && scan.enabled[b.index()],
+                Question::Together(a, b) => scan.fired.contains(&a) && scan.enabled[b.index()],
                 Question::Acts(c) => course.frame[self.layout.acted(c)],
                 // The simulators do not tell that an integer was held at its bound.
                 Question::Declared(_) | Question::Arises(_) | Question::Assumable | Question::Beyond(_) => continue,

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 ///
 /// Reads FILE and asks, for all inputs that its assumptions allow and everything that its plant can do
 /// at any speed: the properties that it declares; whether its outputs ever violate a constraint;
-/// whether some transition can always fire sooner or later. These are demands. For people to judge it
-/// also says which states are never active, which transitions never fire, which ones are enabled
+/// whether some transition can always fire sooner or later. These are demands. It also finds, for people
+/// to judge, which states are never active, which transitions never fire, which ones are enabled
 /// together so that only their order decides, which integers stop at a bound, and where the filter has
 /// to act.
 ///
@@ -21,7 +21,7 @@ Examples:
   chartwright verify door.chart --program any           the filter alone, behind any program
   chartwright verify door.chart --open                  without the plant: all inputs are free
   chartwright verify door.chart --scenario found.chart  write the first counterexample as a scenario
-  chartwright verify door.chart --deny overlap,acts     what is left to judge otherwise is wrong, too
+  chartwright verify door.chart --deny overlap,acts     what is found of these kinds is an error
   chartwright verify door.chart --needed                what happens without each constraint
   chartwright verify door.chart --program any --without S1,S2
 
@@ -50,7 +50,7 @@ pub struct Verify {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub without: Vec<String>,
 
-    /// Makes an error of what is left to people to judge otherwise.
+    /// Makes an error of findings that are left to people to judge otherwise.
     #[arg(long, value_enum, value_name = "KIND,…", value_delimiter = ',')]
     pub deny: Vec<Deny>,
 
@@ -66,7 +66,7 @@ pub struct Verify {
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub time: u64,
 
-    /// How much memory sets of states may take, in MiB.
+    /// How much memory sets of situations may take, in MiB.
     #[arg(long, value_name = "MIB", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub memory: u32,
 
@@ -95,7 +95,7 @@ pub enum VerifyProgram {
     Any,
 }
 
-/// What is left to people to judge, unless it is denied.
+/// A kind of finding, which is left to people to judge unless it is denied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Deny {
     /// A property that says nothing, since what it speaks of happens in no fair run.
@@ -121,7 +121,7 @@ pub enum Deny {
 pub enum VerifyEngine {
     /// Each where it is best.
     Auto,
-    /// The exact set of reachable states.
+    /// The exact set of situations that can come.
     Exact,
     /// The first scans, one by one; proves nothing.
     Bounded,

@@ -76,8 +76,10 @@ pub struct Constraint {
     pub name: String,
     /// What it says, in words for the operator.
     pub text: String,
-    /// What must never be TRUE, as it is written.
+    /// What must never be TRUE.
     pub never: Guard,
+    /// The same as it is written; nothing if it is derived.
+    pub written: String,
     /// The same split into products; none contradicts itself.
     pub products: Vec<Product<Atom>>,
     /// Who gives way when a combined product would be TRUE.

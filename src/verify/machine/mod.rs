@@ -7,6 +7,7 @@
 //! | [`plant`] | what the plant gives it |
 //! | [`steps`] | a plant that moves between scans |
 //! | [`questions`] | what is claimed |
+//! | `rivals` | which transitions only their order tells apart |
 //!
 //! One scan of the program is that of [`chart_step`](crate::prove::chart_step), the same that every build is proved
 //! equal to. What is left open, and so is verified for all ways in which it can go: the inputs that no
@@ -16,6 +17,7 @@
 pub mod plant;
 pub mod program;
 pub mod questions;
+mod rivals;
 pub mod steps;
 
 use super::aig::Lit;

@@ -2,8 +2,9 @@
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::Property;
+use super::rivals::rivals;
 use super::{Program, Subject, View};
-use crate::ir::chart::{Atom, ConstraintId, Guard, IntegerId, Machine, Mark, Phase, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, ConstraintId, Guard, IntegerId, Machine, Mark, StateId, StateKind, TransitionId};
 use crate::ir::scenario::{Condition, Counted, PropertyKind, Seen};
 use crate::prove::chart_numbers::{compare, compare_of};
 use std::collections::BTreeSet;
@@ -25,7 +26,8 @@ pub enum Question {
     Active(StateId),
     /// Whether the transition ever fires.
     Fires(TransitionId),
-    /// Whether two transitions of one source are enabled together, and only their order decides.
+    /// Whether two transitions of one source are ever enabled together, so that the first one fires only because of the
+    /// order of the text, and something would be different if the second one did.
     Together(TransitionId, TransitionId),
     /// Whether the integer is ever to become something beyond its range.
     Beyond(IntegerId),
@@ -33,7 +35,7 @@ pub enum Question {
     Acts(ConstraintId),
 }
 
-/// What people may judge to be meant so, or to be wrong.
+/// What is found, and may be meant so or be wrong: that is for people to judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// A property says nothing.
@@ -54,6 +56,18 @@ impl Kind {
     /// All of them.
     pub const ALL: [Kind; 6] =
         [Kind::Void, Kind::Unreachable, Kind::Silent, Kind::Overlap, Kind::Saturates, Kind::Acts];
+
+    /// Its word on the command line, in models and in JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Void => "void",
+            Kind::Unreachable => "unreachable",
+            Kind::Silent => "silent",
+            Kind::Overlap => "overlap",
+            Kind::Saturates => "saturates",
+            Kind::Acts => "acts",
+        }
+    }
 }
 
 impl Question {
@@ -71,7 +85,7 @@ impl Question {
         }
     }
 
-    /// What there is to judge if the answer is no; nothing if the machine is wrong then.
+    /// What is found if the answer is not what one hopes for; nothing if the machine is wrong then.
     pub fn kind(self) -> Option<Kind> {
         match self {
             Question::Declared(_) | Question::Violated(_) | Question::Assumable | Question::Moves => None,
@@ -81,6 +95,17 @@ impl Question {
             Question::Together(..) => Some(Kind::Overlap),
             Question::Beyond(_) => Some(Kind::Saturates),
             Question::Acts(_) => Some(Kind::Acts),
+        }
+    }
+
+    /// A word for what it is about; that of its kind, if it has one.
+    pub fn word(self) -> &'static str {
+        match (self, self.kind()) {
+            (_, Some(kind)) => kind.word(),
+            (Question::Violated(_), _) => "constraint",
+            (Question::Assumable, _) => "assumptions",
+            (Question::Moves, _) => "moves",
+            (_, None) => "property",
         }
     }
 }
@@ -148,8 +173,9 @@ impl Subject<'_> {
             self.ask(Question::Fires(id), format!("{} fires", transition(machine, id)), Property::Never(fires));
         }
         for (a, b) in rivals(machine) {
-            let enabled = &self.view.scan.enabled;
-            let both = self.system.aig.and(enabled[a.index()], enabled[b.index()]);
+            // Where another one comes before both, their order decides nothing.
+            let scan = &self.view.scan;
+            let both = self.system.aig.and(scan.fires[a.index()], scan.enabled[b.index()]);
             let name = format!("{} and {} together", transition(machine, a), transition(machine, b));
             self.ask(Question::Together(a, b), name, Property::Never(both));
         }
@@ -182,24 +208,6 @@ fn reads_states(machine: &Machine, condition: &Condition) -> bool {
 pub fn transition(machine: &Machine, id: TransitionId) -> String {
     let t = &machine.transitions[id];
     format!("{} to {}", machine.state_path(t.source), machine.state_path(t.target))
-}
-
-/// Pairs of transitions that have one source and scope, lead to different states or do different things, and that
-/// no explicit priority tells apart.
-fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
-    let mut rivals = Vec::new();
-    for scoped in machine.scoped(Phase::Start) {
-        for (i, &a) in scoped.iter().enumerate() {
-            for &b in &scoped[i + 1..] {
-                let (s, t) = (&machine.transitions[a], &machine.transitions[b]);
-                let differ = s.target != t.target || s.internal != t.internal;
-                if s.source == t.source && s.priority.is_none() && t.priority.is_none() && differ {
-                    rivals.push((a, b));
-                }
-            }
-        }
-    }
-    rivals
 }
 
 impl View {

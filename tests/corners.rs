@@ -1,0 +1,323 @@
+//! Corners of the reader: each a place where one more or one less, or a neighbour, would mean something else.
+
+use crate::support::st::{self, read_as};
+
+const VARIABLES: [(&str, &str); 10] = [
+    ("A", "BOOL"),
+    ("B", "BOOL"),
+    ("C", "BOOL"),
+    ("I", "INT"),
+    ("J", "INT"),
+    ("D", "TIME"),
+    ("On", "TON"),
+    ("Off", "TOF"),
+    ("Up", "R_TRIG"),
+    ("Down", "F_TRIG"),
+];
+
+fn beremiz(body: &str) -> String {
+    st::file(&VARIABLES, body)
+}
+
+fn codesys(body: &str) -> String {
+    beremiz(body).replace("tc6_0201", "tc6_0200")
+}
+
+fn ladder(parts: &[String]) -> String {
+    format!(r#"<LD><leftPowerRail localId="1"/>{}</LD>"#, parts.concat())
+}
+
+/// An element with lines from others.
+fn element(tag: &str, number: u32, attributes: &str, from: &[u32], rest: &str) -> String {
+    let lines: String = from.iter().map(|n| format!(r#"<connection refLocalId="{n}"/>"#)).collect();
+    let point = if from.is_empty() { String::new() } else { format!("<connectionPointIn>{lines}</connectionPointIn>") };
+    format!(r#"<{tag} localId="{number}" {attributes}>{point}{rest}</{tag}>"#)
+}
+
+fn contact(number: u32, from: &[u32], name: &str) -> String {
+    element("contact", number, "", from, &format!("<variable>{name}</variable>"))
+}
+
+fn coil(number: u32, from: &[u32], name: &str) -> String {
+    element("coil", number, "", from, &format!("<variable>{name}</variable>"))
+}
+
+fn value(number: u32, text: &str) -> String {
+    element("inVariable", number, "", &[], &format!("<expression>{text}</expression>"))
+}
+
+#[test]
+fn a_coil_with_elements_after_it_has_one_line_before_it() {
+    let body =
+        |from: &[u32]| ladder(&[contact(2, &[1], "A"), contact(3, &[1], "B"), coil(4, from, "C"), coil(5, &[4], "C")]);
+    assert_eq!(read_as(&beremiz(&body(&[2]))), "C := A; C := A");
+    assert_eq!(read_as(&codesys(&body(&[2]))), "C := A; C := A");
+    let both = read_as(&beremiz(&body(&[2, 3])));
+    assert!(both.contains("coil `C` (number 4) with elements after it and parallel branches before it"), "{both}");
+    let both = read_as(&codesys(&body(&[2, 3])));
+    assert!(both.starts_with("C := (A or B); C := (A or B)") || both.contains("E602"), "{both}");
+}
+
+#[test]
+fn a_text_in_series_has_parentheses() {
+    let body = |text: &str| ladder(&[value(2, text), contact(3, &[2], "A"), coil(4, &[3], "C")]);
+    assert_eq!(read_as(&beremiz(&body("A AND B"))), "C := (A and B and A)");
+    assert_eq!(read_as(&beremiz(&body("(A OR B)"))), "C := ((A or B) and A)");
+    assert_eq!(read_as(&beremiz(&body("NOT B"))), "C := (not B and A)");
+    for loose in ["A OR B", "A XOR B"] {
+        let found = read_as(&beremiz(&body(loose)));
+        assert!(found.contains("in series, without parentheses around it"), "{loose}: {found}");
+    }
+    // Not in series.
+    let alone = ladder(&[value(2, "A OR B"), coil(4, &[2], "C")]);
+    assert_eq!(read_as(&beremiz(&alone)), "C := (A or B)");
+}
+
+#[test]
+fn edges_rise_or_fall() {
+    let body = |edge: &str| {
+        ladder(&[
+            element("contact", 2, &format!(r#"edge="{edge}""#), &[1], "<variable>A</variable>"),
+            coil(3, &[2], "B"),
+        ])
+    };
+    assert!(read_as(&beremiz(&body("rising"))).starts_with("RTrig "), "{}", read_as(&beremiz(&body("rising"))));
+    assert!(read_as(&beremiz(&body("falling"))).starts_with("FTrig "), "{}", read_as(&beremiz(&body("falling"))));
+    assert_eq!(read_as(&beremiz(&body("none"))), "B := A");
+}
+
+/// A block with one pin that a line enters.
+fn block(number: u32, kind: &str, name: &str, pins: &[(&str, u32)]) -> String {
+    let pins: String = pins
+        .iter()
+        .map(|(pin, from)| {
+            format!(
+                r#"<variable formalParameter="{pin}"><connectionPointIn><connection refLocalId="{from}"/></connectionPointIn></variable>"#
+            )
+        })
+        .collect();
+    format!(
+        r#"<block localId="{number}" typeName="{kind}" instanceName="{name}"><inputVariables>{pins}</inputVariables><inOutVariables/><outputVariables><variable formalParameter="Q"/></outputVariables></block>"#
+    )
+}
+
+#[test]
+fn a_chain_of_blocks_has_a_greatest_length_and_a_row_has_none() {
+    let variables: Vec<(String, &str)> =
+        (0..70).map(|n| (format!("E{n}"), "R_TRIG")).chain([("A".into(), "BOOL")]).collect();
+    let variables: Vec<(&str, &str)> = variables.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    let read = |count: u32, nested: bool| {
+        let blocks: String = (0..count)
+            .map(|n| block(10 + n, "R_TRIG", &format!("E{n}"), &[("CLK", if nested && n > 0 { 9 + n } else { 1 })]))
+            .collect();
+        let body = ladder(&[blocks, coil(5, &[9 + count], "A")]);
+        read_as(&st::file(&variables, &body))
+    };
+    assert!(read(64, true).ends_with("A := E63.Q"), "{}", read(64, true));
+    assert!(read(65, true).contains("a chain of more than 64 function blocks"), "{}", read(65, true));
+    assert!(read(70, false).contains("A := E69.Q"), "{}", read(70, false));
+}
+
+#[test]
+fn a_number_comes_from_one_place() {
+    let timer = |from: &str| {
+        format!(
+            r#"<block localId="4" typeName="TON" instanceName="On"><inputVariables><variable formalParameter="IN"><connectionPointIn><connection refLocalId="1"/></connectionPointIn></variable><variable formalParameter="PT"><connectionPointIn>{from}</connectionPointIn></variable></inputVariables><inOutVariables/><outputVariables><variable formalParameter="Q"/></outputVariables></block>"#
+        )
+    };
+    let line = |number: u32| format!(r#"<connection refLocalId="{number}"/>"#);
+    let sum = r#"<block localId="3" typeName="ADD"><inputVariables><variable formalParameter="IN1"><connectionPointIn><connection refLocalId="2"/></connectionPointIn></variable></inputVariables><inOutVariables/><outputVariables><variable formalParameter="OUT"/></outputVariables></block>"#;
+    let read = |from: &str| read_as(&beremiz(&ladder(&[value(2, "T#1s"), value(5, "D"), sum.into(), timer(from)])));
+    assert_eq!(read(&line(2)), "Ton On in true preset 1000000");
+    assert_eq!(read(&line(5)), "Ton On in true preset D");
+    assert_eq!(read("<expression>D</expression>"), "Ton On in true preset D");
+    for (from, reason) in [
+        (line(2) + &line(5), "several lines into one input"),
+        (line(3), "as the source of a number"),
+        (line(1), "as the source of a number"),
+    ] {
+        assert!(read(&from).contains(reason), "{from}: {}", read(&from));
+    }
+    let texts = |first: &str, second: &str| {
+        let pin = |name: &str, text: &str| {
+            format!(
+                r#"<variable formalParameter="{name}"><connectionPointIn><expression>{text}</expression></connectionPointIn></variable>"#
+            )
+        };
+        let inputs = pin("In1", first) + &pin("In2", second);
+        let out = r#"<variable formalParameter="Out"><connectionPointOut><expression>I</expression></connectionPointOut></variable>"#;
+        read_as(&codesys(&ladder(&[format!(
+            r#"<block localId="3" typeName="SUB"><inputVariables>{inputs}</inputVariables><inOutVariables/><outputVariables>{out}</outputVariables></block>"#
+        )])))
+    };
+    assert_eq!(texts("J", "3"), "I := (J - 3)");
+    assert!(texts("J", "I + 1").contains("an expression at block `SUB`"), "{}", texts("J", "I + 1"));
+}
+
+#[test]
+fn only_titles_of_networks_are_vendor_elements_that_do_nothing() {
+    let title = |types: &str| {
+        let vendor = format!(
+            r#"<vendorElement localId="7"><alternativeText><p></p></alternativeText><addData><data name="http://www.3s-software.com/plcopenxml/fbdelementtype" handleUnknown="implementation">{types}</data></addData></vendorElement>"#
+        );
+        read_as(&codesys(&ladder(&[vendor, contact(2, &[1], "A"), coil(3, &[2], "B")])))
+    };
+    let one = |name: &str| format!(r#"<ElementType xmlns="">{name}</ElementType>"#);
+    assert_eq!(title(&one("networktitle")), "B := A");
+    for other in [one("jump"), String::new(), one("networktitle") + &one("networktitle")] {
+        assert!(title(&other).starts_with("E602"), "{other}: {}", title(&other));
+    }
+}
+
+fn step(number: u32, name: &str, from: &[u32]) -> String {
+    let initial = if from.is_empty() { r#"initialStep="true""# } else { "" };
+    element("step", number, &format!(r#"name="{name}" {initial}"#), from, "")
+}
+
+fn transition(number: u32, from: &[u32], condition: &str) -> String {
+    let condition = format!(r#"<condition><inline name=""><ST><p>{condition}</p></ST></inline></condition>"#);
+    element("transition", number, "", from, &condition)
+}
+
+fn jump(number: u32, from: &[u32], to: &str) -> String {
+    element("jumpStep", number, &format!(r#"targetName="{to}""#), from, "")
+}
+
+fn does(number: u32, step: u32, action: &str) -> String {
+    let action = format!(r#"<action localId="{number}0"><reference name="{action}"/></action>"#);
+    element("actionBlock", number, "", &[step], &action)
+}
+
+const ACTIONS: &str = r#"<actions><action name="First"><body><ST><p>I := 1;</p></ST></body></action><action name="Second"><body><ST><p>I := 2;</p></ST></body></action></actions><body><SFC>"#;
+
+#[test]
+fn actions_run_in_the_order_of_the_steps_that_name_them() {
+    let chart = |parts: &[String]| {
+        let file = beremiz(&format!("<SFC>{}</SFC>", parts.concat()));
+        read_as(&file.replacen("<body><SFC>", ACTIONS, 1))
+    };
+    // The second step is drawn first.
+    let found = chart(&[
+        step(4, "Two", &[3]),
+        does(5, 4, "Second"),
+        transition(6, &[4], "B"),
+        jump(7, &[6], "One"),
+        step(1, "One", &[]),
+        does(2, 1, "First"),
+        transition(3, &[1], "A"),
+    ]);
+    assert_eq!(
+        found,
+        "step One initial;   NonStored 0 action First; step Two;   NonStored 0 action Second; One > Two when A; \
+         Two > One when B; action First;   I := 1; action Second;   I := 2"
+    );
+}
+
+#[test]
+fn blocks_of_conditions_run_with_the_first_step() {
+    let parts = [
+        step(1, "One", &[]),
+        element("contact", 8, r#"edge="rising""#, &[9], "<variable>A</variable>"),
+        r#"<leftPowerRail localId="9"/>"#.to_owned(),
+        element(
+            "transition",
+            2,
+            "",
+            &[1],
+            r#"<condition><connectionPointIn><connection refLocalId="8"/></connectionPointIn></condition>"#,
+        ),
+        jump(3, &[2], "One"),
+    ];
+    let found = read_as(&beremiz(&format!("<SFC>{}</SFC>", parts.concat())));
+    assert!(found.contains("step One initial;   Set 0 action COMPUTE_FUNCTION_BLOCKS; One > One when"), "{found}");
+    assert!(found.contains("action COMPUTE_FUNCTION_BLOCKS;   RTrig"), "{found}");
+    let plain = [step(1, "One", &[]), transition(2, &[1], "A"), jump(3, &[2], "One")];
+    let plain = read_as(&beremiz(&format!("<SFC>{}</SFC>", plain.concat())));
+    assert_eq!(plain, "step One initial; One > One when A");
+}
+
+#[test]
+fn implicit_variables_by_which_others_stop_a_chart_are_refused() {
+    let chart = |flags: &str| {
+        let parts = [step(1, "One", &[]), transition(2, &[1], "A"), jump(3, &[2], "One")];
+        let data = format!(
+            r#"</body><addData><data name="http://www.3s-software.com/plcopenxml/sfcsettings" handleUnknown="implementation"><SFCSettings xmlns=""><Flags>{flags}</Flags></SFCSettings></data></addData></pou>"#
+        );
+        let file = codesys(&format!("<SFC>{}</SFC>", parts.concat()));
+        read_as(&file.replace("</body></pou>", &data))
+    };
+    for flag in ["Init", "Reset", "Pause", "Tip", "TipMode"] {
+        let flag_of = |used: &str| format!(r#"<{flag} Use="{used}" Declare="true"/>"#);
+        let found = chart(&flag_of("true"));
+        assert!(found.contains(&format!("the SFC flag `SFC{flag}`")), "{found}");
+        assert!(!chart(&flag_of("false")).contains("the SFC flag"), "{}", chart(&flag_of("false")));
+    }
+    assert!(!chart(r#"<Trans Use="true"/>"#).contains("the SFC flag"), "{}", chart(r#"<Trans Use="true"/>"#));
+}
+
+/// A file with these types and instances.
+fn project(pous: &str, resource: &str) -> String {
+    let file = beremiz("<ST><p>A := B;</p></ST>");
+    let file = file.replacen("</pous>", &format!("{pous}</pous>"), 1);
+    if resource.is_empty() {
+        return file;
+    }
+    let end = format!(
+        r#"<instances><configurations><configuration name="C"><resource name="R">{resource}</resource></configuration></configurations></instances></project>"#
+    );
+    file.replacen("</project>", &end, 1)
+}
+
+const BLOCK: &str = r#"<pou name="Own" pouType="functionBlock"><interface/><body><ST><p>;</p></ST></body></pou>"#;
+
+#[test]
+fn only_programs_run() {
+    let count = |file: &str| chartwright::read::read(file).0.map(|p| p.programs.len());
+    assert_eq!(count(&project("", "")), Some(1));
+    assert_eq!(count(&project(BLOCK, "")), Some(1));
+    let task = |interval: &str, kind: &str| {
+        let task = format!(
+            r#"<task name="T" interval="{interval}" priority="0"><pouInstance name="Q" typeName="{kind}"/></task>"#
+        );
+        read_as(&project(BLOCK, &task))
+    };
+    assert_eq!(task("T#10ms", "P"), "A := B");
+    for (interval, kind, reason) in [
+        ("T#10ms", "Own", "`Own`, which is no program, as an instance"),
+        ("T#10ms", "Nobody", "there is no program `Nobody`"),
+        ("T#0s", "P", "`T#0s` is no interval of a task"),
+        ("T#-1s", "P", "`T#-1s` is no interval of a task"),
+        ("P0D", "P", "`P0D` is no interval of a task"),
+    ] {
+        let found = task(interval, kind);
+        assert!(found.contains(reason), "{interval} {kind}: {found}");
+    }
+    let stray = project(BLOCK, "").replacen("</types>", &format!("{}</types>", BLOCK.replace("Own", "Stray")), 1);
+    assert!(read_as(&stray).starts_with("E6"), "{}", read_as(&stray));
+}
+
+#[test]
+fn what_an_external_variable_or_a_block_begins_with_is_refused() {
+    let with = |variable: &str| {
+        let file = project("", "").replacen("</interface>", &format!("{variable}</interface>"), 1);
+        let globals = r#"<instances><configurations><configuration name="C"><resource name="R"><task name="T" interval="T#10ms" priority="0"><pouInstance name="Q" typeName="P"/></task><globalVars><variable name="G"><type><INT/></type></variable></globalVars></resource></configuration></configurations></instances></project>"#;
+        read_as(&file.replacen("</project>", globals, 1))
+    };
+    let initial = r#"<initialValue><simpleValue value="3"/></initialValue>"#;
+    let external = |attributes: &str, rest: &str| {
+        with(&format!(
+            r#"<externalVars><variable name="G" {attributes}><type><INT/></type>{rest}</variable></externalVars>"#
+        ))
+    };
+    assert_eq!(external("", ""), "A := B");
+    for found in [external("", initial), external(r#"address="%MW0""#, ""), external(r#"address="%MW0""#, initial)] {
+        assert!(found.contains("the value or address of the external variable `G`"), "{found}");
+    }
+    let local = |kind: &str| {
+        with(&format!(
+            r#"<tempVars></tempVars><localVars><variable name="Z"><type>{kind}</type>{initial}</variable></localVars>"#
+        ))
+    };
+    let found = local(r#"<derived name="TON"/>"#);
+    assert!(found.starts_with("E6"), "{found}");
+}

@@ -1,0 +1,122 @@
+//! What is shown of a program that does something else than its chart, to the letter.
+
+use crate::support::proof::build;
+use chartwright::emit::Dialect::Beremiz;
+use chartwright::prove::search::Effort;
+use chartwright::prove::{Correspondence, Verdict, equivalence_within};
+use chartwright::read;
+
+const MODEL: &str = "machine Gate
+cycle 10ms
+inputs { Open at %IX0.0 Shut at %IX0.1 }
+outputs { MOTOR at %QX0.0 LAMP at %QX0.1 }
+variables { Count : 0..3 }
+actuator Motor onoff by MOTOR
+actuator Lamp onoff by LAMP
+chart Gate {
+  initial state Closed
+  state Moving { drives MOTOR }
+  state Waiting { drives LAMP }
+  from Closed to Moving when Open and Count < 3 then set Count := Count + 1
+  from Moving to Waiting when Shut
+  from Waiting to Closed when after 50ms
+}
+";
+
+/// What is said of the program of the model after these replacements.
+fn said(changes: &[(&str, &str)]) -> String {
+    let output = build(MODEL, Beremiz).unwrap_or_else(|e| panic!("{e}"));
+    let text = changes.iter().fold(output.xml.clone(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    let (program, diagnostics) = read::read(&text);
+    let program = program.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    let names = Correspondence::of(&output.machine, &output.project);
+    match equivalence_within(&output.machine, &names, &program, Effort::FIRST) {
+        Verdict::Proved(_) => "proved".to_owned(),
+        Verdict::Refuted(trace) => trace.to_string(),
+        Verdict::Unknown(doubt) => doubt.to_string(),
+    }
+}
+
+/// What is said if one more program runs after all others.
+fn beside(text: &str) -> String {
+    let variables = r#"<localVars><variable name="N"><type><INT/></type></variable></localVars><externalVars><variable name="LAMP"><type><BOOL/></type></variable></externalVars>"#;
+    let pou = format!(
+        r#"<pous><pou name="Evil" pouType="program"><interface>{variables}</interface><body><ST><xhtml:p>{text}</xhtml:p></ST></body></pou>"#
+    );
+    let last = r#"<pouInstance name="I_Filter" typeName="Filter"/>"#;
+    said(&[("<pous>", &pou), (last, &format!(r#"{last}<pouInstance name="I_E" typeName="Evil"/>"#))])
+}
+
+#[test]
+fn a_run_shows_what_changes_and_what_differs() {
+    assert_eq!(
+        beside("N := N + 1; LAMP := LAMP OR N = 3;"),
+        "scan                   chart  program\n   \
+           1  state Closed     on     on\n   \
+           2  nothing changes\n   \
+           3  output LAMP      off    on  <- LAMP\n"
+    );
+}
+
+#[test]
+fn a_run_shows_numbers() {
+    assert_eq!(
+        said(&[("<expression>1</expression>", "<expression>2</expression>")]),
+        "scan                    chart  program\n   \
+           1  input Open        on\n      \
+               state Closed      on     on\n   \
+           2  state Closed      off    off\n      \
+               state Moving      on     on\n      \
+               output MOTOR      on     on\n      \
+               command of MOTOR  on     on\n      \
+               integer Count     1      2  <- Count\n"
+    );
+}
+
+#[test]
+fn a_run_shows_times() {
+    assert_eq!(
+        said(&[("T#50ms", "T#60ms")]),
+        "scan                             chart  program\n   \
+           1  input Open                 on\n      \
+               input Shut                 on\n      \
+               state Closed               on     on\n   \
+           2  state Closed               off    off\n      \
+               state Moving               on     on\n      \
+               output MOTOR               on     on\n      \
+               command of MOTOR           on     on\n      \
+               integer Count              1      1\n   \
+           3  state Moving               off    off\n      \
+               state Waiting              on     on\n      \
+               output MOTOR               off    off\n      \
+               output LAMP                on     on\n      \
+               command of MOTOR           off    off\n      \
+               command of LAMP            on     on\n   \
+           4  nothing changes\n   \
+           5  50 ms after the last scan\n      \
+               state Closed               on     off  <- X_Closed\n      \
+               state Waiting              off    on  <- X_Waiting\n      \
+               output LAMP                off    on  <- LAMP\n      \
+               command of LAMP            off    on  <- Cmd_LAMP\n      \
+               state Closed               on     off  <- Prg_Gate.S_Closed.X\n      \
+               state Waiting              off    on  <- Prg_Gate.S_Waiting.X\n"
+    );
+}
+
+#[test]
+fn what_lies_too_deep_is_neither_proved_nor_refuted() {
+    // The run that shows it has 30,000 scans.
+    assert_eq!(
+        beside("N := N + 1; LAMP := LAMP OR N = 30000;"),
+        "not inductive: that LAMP is output LAMP fails from in(Closed), Count = 2"
+    );
+}
+
+#[test]
+fn what_changes_nothing_is_proved() {
+    assert_eq!(said(&[]), "proved");
+    assert_eq!(beside("N := N + 1; LAMP := LAMP OR N &lt;&gt; N;"), "proved");
+}

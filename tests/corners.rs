@@ -321,3 +321,167 @@ fn what_an_external_variable_or_a_block_begins_with_is_refused() {
     let found = local(r#"<derived name="TON"/>"#);
     assert!(found.starts_with("E6"), "{found}");
 }
+
+#[test]
+fn what_several_lines_leave_is_written_once() {
+    let body = |before: &[String], from: u32| {
+        let ends = [contact(20, &[from], "B"), contact(21, &[from], "C"), coil(22, &[20, 21], "B")];
+        ladder(&[before.concat(), ends.concat()])
+    };
+    let one = [contact(2, &[1], "A")];
+    assert_eq!(read_as(&beremiz(&body(&one, 2))), "B := ((A and B) or (A and C))");
+    let two = [contact(2, &[1], "A"), contact(3, &[2], "B")];
+    assert_eq!(read_as(&beremiz(&body(&two, 3))), "B := ((shared 0 and B) or (shared 0 and C)) with (A and B)");
+    let not = [element("contact", 2, r#"negated="true""#, &[1], "<variable>A</variable>")];
+    assert_eq!(read_as(&beremiz(&body(&not, 2))), "B := ((not A and B) or (not A and C))");
+    // A long chain is cut into parts, each with a place of its own.
+    let chain = |count: u32| {
+        let contacts: String = (2..count + 2).map(|n| contact(n, &[n - 1], "A")).collect();
+        read_as(&beremiz(&ladder(&[contacts, coil(99, &[count + 1], "B")])))
+    };
+    assert!(!chain(11).contains("with"), "{}", chain(11));
+    assert!(chain(12).contains("with") && !chain(12).contains("shared 1"), "{}", chain(12));
+    assert!(chain(40).contains("shared 1"), "{}", chain(40));
+}
+
+#[test]
+fn a_problem_is_shown_where_it_is() {
+    let text = beremiz(&ladder(&[contact(2, &[1], "A"), coil(3, &[2], "Nobody")]));
+    let (_, diagnostics) = chartwright::read::read(&text);
+    let shown: Vec<&str> =
+        diagnostics.iter().flat_map(|d| &d.labels).map(|l| &text[l.span.start as usize..l.span.end as usize]).collect();
+    assert_eq!(shown, ["<coil"]);
+    let broken = text.replace("</coil>", "\n</cöil>");
+    let (_, diagnostics) = chartwright::read::read(&broken);
+    let at: Vec<&str> = diagnostics.iter().flat_map(|d| &d.labels).map(|l| &broken[l.span.start as usize..]).collect();
+    assert!(at[0].starts_with("</cöil>"), "{}", at[0]);
+}
+
+#[test]
+fn only_a_project_is_one() {
+    let good = beremiz("<ST><p>A := B;</p></ST>");
+    let other = good.replace("<project ", "<library ").replace("</project>", "</library>");
+    assert!(read_as(&other).contains("the root element is not a PLCopen project"), "{}", read_as(&other));
+}
+
+#[test]
+fn names_of_the_standard_are_not_declared_anew() {
+    for name in ["ADD", "sel", "TON", "R_TRIG", "INT"] {
+        let own = BLOCK.replace("Own", name);
+        let found = read_as(&project(&own, ""));
+        assert!(found.contains(&format!("a `{name}` other than that of the standard")), "{found}");
+    }
+}
+
+#[test]
+fn a_function_block_begins_with_nothing_else() {
+    let file = project("", "");
+    let block = r#"<localVars><variable name="Z"><type><derived name="TON"/></type><initialValue><simpleValue value="3"/></initialValue></variable></localVars></interface>"#;
+    let found = read_as(&file.replacen("</interface>", block, 1));
+    assert!(found.contains("the initial value of function block `Z`"), "{found}");
+    let more = r#"<localVars><variable name="Z"><type><INT/></type></variable></localVars></interface>"#;
+    assert_eq!(read_as(&file.replacen("</interface>", more, 1)), "A := B");
+}
+
+#[test]
+fn a_transition_that_waits_for_a_step_out_of_reach_is_refused() {
+    let join = |tag: &str, number: u32, from: &[u32]| {
+        let points: String = from
+            .iter()
+            .map(|n| format!(r#"<connectionPointIn><connection refLocalId="{n}"/></connectionPointIn>"#))
+            .collect();
+        format!(r#"<{tag} localId="{number}">{points}</{tag}>"#)
+    };
+    let chart = |parts: &[String]| read_as(&beremiz(&format!("<SFC>{}</SFC>", parts.concat())));
+    let alone = element("step", 5, r#"name="Alone""#, &[], "");
+    let found = chart(&[
+        step(1, "One", &[]),
+        alone,
+        join("simultaneousConvergence", 6, &[1, 5]),
+        transition(7, &[6], "A"),
+        jump(8, &[7], "One"),
+    ]);
+    assert!(found.contains("a transition waits for a step that is never reached"), "{found}");
+    // Only a tool of the other family draws the end of a branch as a jump within a convergence.
+    let branches = [
+        step(1, "One", &[]),
+        join("selectionDivergence", 2, &[1]),
+        transition(3, &[2], "A"),
+        transition(4, &[2], "B"),
+        jump(5, &[3], "One"),
+        join("selectionConvergence", 6, &[5, 4]),
+        jump(7, &[6], "One"),
+    ];
+    let found = chart(&branches);
+    assert!(found.contains("a line from jumpStep `One` (number 5) to selectionConvergence"), "{found}");
+    let found = read_as(&codesys(&format!("<SFC>{}</SFC>", branches.concat())));
+    assert!(found.contains("One > One when A") && found.contains("One > One when B"), "{found}");
+}
+
+#[test]
+fn an_action_block_stands_for_its_step_in_the_order_of_a_drawing() {
+    let chart = |first: String| {
+        let parts = [
+            first,
+            step(1, "One", &[]),
+            element("selectionDivergence", 2, "", &[1], ""),
+            transition(3, &[2], "A"),
+            step(4, "Two", &[3]),
+            transition(5, &[2], "B"),
+            step(6, "Three", &[5]),
+            transition(7, &[4], "C"),
+            jump(8, &[7], "One"),
+            transition(9, &[6], "C"),
+            jump(10, &[9], "One"),
+        ];
+        let file = beremiz(&format!("<SFC>{}</SFC>", parts.concat()));
+        read_as(&file.replacen("<body><SFC>", ACTIONS, 1))
+    };
+    let order = |text: &str| (text.find("One > Two").expect("there"), text.find("One > Three").expect("there"));
+    let (two, three) = order(&chart(String::new()));
+    assert!(two < three);
+    let (two, three) = order(&chart(does(20, 6, "First")));
+    assert!(three < two, "{}", chart(does(20, 6, "First")));
+}
+
+#[test]
+fn what_a_vendor_says_again_agrees() {
+    let attributes = |list: &[(&str, &str)]| {
+        let list: String =
+            list.iter().map(|(guid, text)| format!(r#"<attribute guid="{guid}">{text}</attribute>"#)).collect();
+        format!(
+            r#"<addData><data name="http://www.3s-software.com/plcopenxml/sfc/element" handleUnknown="implementation"><attributes xmlns="">{list}</attributes></data></addData>"#
+        )
+    };
+    let name = |text: &str| attributes(&[("38391c6d-6d4a-42f8-8ee7-9f45e5adafa8", text)]);
+    let excluded = |text: &str| attributes(&[("01580b27-6378-448b-8ecb-0e4b795b58d6", text)]);
+    let more = |guid: &str| attributes(&[(guid, "Other")]);
+    let chart = |of_step: &str, of_jump: &str, of_action: &str| {
+        let action = format!(r#"<action localId="50"><reference name="A"/>{of_action}</action>"#);
+        let parts = [
+            element("step", 1, r#"name="One" initialStep="true""#, &[], of_step),
+            element("actionBlock", 5, "", &[1], &action),
+            transition(2, &[1], "A"),
+            element("jumpStep", 3, r#"targetName="One""#, &[2], of_jump),
+        ];
+        read_as(&codesys(&format!("<SFC>{}</SFC>", parts.concat())))
+    };
+    let good = chart("", "", "");
+    assert!(good.starts_with("step One"), "{good}");
+    assert_eq!(chart(&name("One"), &name("one"), &name("A")), good);
+    assert_eq!(chart(&name(""), &excluded(""), &excluded("FALSE")), good);
+    for (found, part) in [
+        (chart(&name("Two"), "", ""), "`Two`, which contradicts step `One`"),
+        (chart("", &name("Two"), ""), "`Two`, which contradicts jump"),
+        (chart("", "", &name("B")), "`B`, which contradicts action"),
+        (chart(&excluded("TRUE"), "", ""), "step `One` (number 1), excluded from execution"),
+        (chart(&excluded("maybe"), "", ""), "`maybe`, which contradicts step `One`"),
+        (chart(&more("700a583f-b4d4-43e4-8c14-629c7cd3bec8"), "", ""), "the main action of step `One`"),
+        (chart(&more("a6b08bd8-b696-47e3-9cbf-7408b61c9ff8"), "", ""), "the entry action of step `One`"),
+        (chart(&more("a2621e18-7de3-4ea6-ae6d-89e9e0b7befd"), "", ""), "the exit action of step `One`"),
+        (chart(&more("cacf1a68-236e-47c2-b7b1-1cf9199718cb"), "", ""), "the minimal time of step `One`"),
+        (chart(&more("b693554c-1b01-4a8d-afde-9e3a46f7465d"), "", ""), "the maximal time of step `One`"),
+    ] {
+        assert!(found.starts_with("E602") && found.contains(part), "{part}: {found}");
+    }
+}

@@ -57,6 +57,8 @@ fn every_operator_binds_as_the_standard_says() {
         ("I := 2 - -3;", "I := (2 - -3)"),
         ("D := -E;", "D := -E"),
         ("D := -T#3ms;", "D := -3000"),
+        ("D := +E;", "D := E"),
+        ("D := +T#3ms;", "D := 3000"),
         ("A := NOT B;", "A := not B"),
         ("A := NOT NOT B;", "A := B"),
         ("A := NOT NOT NOT B;", "A := not B"),
@@ -93,6 +95,7 @@ fn every_literal_is_read() {
     ] {
         assert_eq!(text(written), expected, "{written}");
     }
+    assert!(text("A := %IX0.0;").contains("an address stands where a name is expected"));
     for wrong in [
         "I := 16#;",
         "I := 3#1;",
@@ -246,4 +249,16 @@ fn an_expression_has_a_greatest_depth() {
     let mixed = |count: usize| text(&format!("A := {}B{};", "NOT (C AND ".repeat(count), ")".repeat(count)));
     assert!(mixed(63).starts_with("A := not (C and not"), "{}", mixed(63));
     assert!(mixed(65).contains("nested too deep"), "{}", mixed(65));
+    // What stands around a chain makes it deeper: by one, but a comparison by two.
+    let around =
+        |count: usize, before: &str, after: &str| text(&format!("A := {before}({}B){after};", "B XOR ".repeat(count)));
+    for (most, before, after) in [(126, "", " OR C"), (126, "", " AND C"), (126, "NOT ", ""), (125, "", " = C")] {
+        let found = around(most, before, after);
+        assert!(found.starts_with("A := "), "{before} {after}: {found}");
+        let found = around(most + 1, before, after);
+        assert!(found.contains("the expression is nested too deep"), "{before} {after}: {found}");
+    }
+    let sign = |count: usize| text(&format!("I := -({}J);", "J - ".repeat(count)));
+    assert!(sign(126).starts_with("I := -("), "{}", sign(126));
+    assert!(sign(127).contains("the expression is nested too deep"), "{}", sign(127));
 }

@@ -50,10 +50,10 @@ fn drawn(function: &str, pins: Pins<'_>, to: &str) -> String {
     );
     let result = match to {
         "A" | "B" => format!(
-            r#"<coil localId="3"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"/></connectionPointIn><variable>{to}</variable></coil>"#
+            r#"<coil localId="3"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"><position x="0" y="0"/></connection></connectionPointIn><variable>{to}</variable></coil>"#
         ),
         _ => format!(
-            r#"<outVariable localId="3"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"/></connectionPointIn><expression>{to}</expression></outVariable>"#
+            r#"<outVariable localId="3"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"><position x="0" y="0"/></connection></connectionPointIn><expression>{to}</expression></outVariable>"#
         ),
     };
     format!(r#"<LD><leftPowerRail localId="1"/>{values}{function}{result}</LD>"#)
@@ -63,20 +63,41 @@ fn boxed(function: &str, pins: Pins<'_>, to: &str) -> String {
     read_as(&file(&drawn(function, pins, to)))
 }
 
+/// The same in a file of CODESYS, where a box that is used stands behind its user.
+fn boxed_in_codesys(function: &str, pins: Pins<'_>, to: &str) -> String {
+    let text = drawn(function, pins, to);
+    let (start, end) = (text.find("<block").expect("a box"), text.find("</block>").expect("its end") + 8);
+    let behind = format!("{}{}", &text[..start], &text[end..]).replace("</LD>", &format!("{}</LD>", &text[start..end]));
+    read_as(&file(&behind).replace("tc6_0201", "tc6_0200"))
+}
+
+#[test]
+fn names_in_small_letters_and_places_are_for_codesys() {
+    let cases: &[(&str, Pins<'_>, &str, &str)] = &[
+        ("move", &[("in", "7")], "I", "I := 7"),
+        ("Add", &[("in1", "I"), ("IN2", "J")], "I", "I := (I + J)"),
+        ("ADD", &[("In1", "1"), ("In2", "2")], "I", "I := (1 + 2)"),
+        ("ADD", &[("EN", ""), ("In2", "I"), ("In3", "1")], "I", "I := (I + 1)"),
+        ("MOVE", &[("EN", ""), ("In2", "I")], "J", "J := I"),
+        ("LIMIT", &[("In1", "-2"), ("In2", "I"), ("In3", "9")], "J", "J := limit(-2, I, 9)"),
+    ];
+    for (function, pins, to, expected) in cases {
+        assert_eq!(boxed_in_codesys(function, pins, to), *expected, "{function} {pins:?}");
+        // There Beremiz would look for other pins, and find none.
+        let found = boxed(function, pins, to);
+        assert!(found.starts_with("E602"), "{function} {pins:?}: {found}");
+    }
+}
+
 #[test]
 fn a_function_computes_from_the_inputs_that_it_names() {
     let cases: &[(&str, Pins<'_>, &str, &str)] = &[
         ("MOVE", &[("IN", "J")], "I", "I := J"),
-        ("move", &[("in", "7")], "I", "I := 7"),
         ("ADD", &[("IN1", "I"), ("IN2", "J")], "I", "I := (I + J)"),
         ("SUB", &[("IN1", "I"), ("IN2", "J")], "I", "I := (I - J)"),
-        ("ADD", &[("In1", "1"), ("In2", "2")], "I", "I := (1 + 2)"),
         ("ADD", &[("EN", "rail"), ("IN1", "I"), ("IN2", "1")], "I", "I := (I + 1)"),
-        ("ADD", &[("EN", ""), ("In2", "I"), ("In3", "1")], "I", "I := (I + 1)"),
-        ("MOVE", &[("EN", ""), ("In2", "I")], "J", "J := I"),
         ("LIMIT", &[("MN", "0"), ("IN", "I"), ("MX", "9")], "J", "J := limit(0, I, 9)"),
         ("LIMIT", &[("MN", "4"), ("IN", "I"), ("MX", "4")], "J", "J := limit(4, I, 4)"),
-        ("LIMIT", &[("In1", "-2"), ("In2", "I"), ("In3", "9")], "J", "J := limit(-2, I, 9)"),
         ("SEL", &[("G", "B"), ("IN0", "I"), ("IN1", "J")], "I", "I := (J if B else I)"),
         ("SEL", &[("G", "A"), ("IN0", "3"), ("IN1", "J")], "I", "I := (J if A else 3)"),
         ("EQ", &[("IN1", "I"), ("IN2", "J")], "A", "A := (I = J)"),
@@ -118,9 +139,10 @@ fn a_function_with_other_inputs_than_its_own_is_refused() {
     ];
     for (function, pins, list) in cases {
         let to = if matches!(*function, "GE" | "EQ") { "A" } else { "I" };
-        let found = boxed(function, pins, to);
         let reason = format!("E602 the inputs {list} of block `{function}` (number 2)");
-        assert!(found.starts_with(&reason), "{pins:?}: {found}");
+        for found in [boxed(function, pins, to), boxed_in_codesys(function, pins, to)] {
+            assert!(found.starts_with(&reason), "{pins:?}: {found}");
+        }
     }
 }
 
@@ -150,9 +172,9 @@ fn what_tools_make_of_a_function_in_different_ways_is_refused() {
         ("LIMIT", limit("5", "J", "4"), "I", "bounds in the wrong order"),
         ("LIMIT", limit("0", "J", "40000"), "I", "a constant of another type"),
         ("MUX", two("I", "J"), "I", "the function block `MUX`"),
-        ("ADD", vec![("IN1 negated=\"true\"", "I"), ("IN2", "J")], "I", "at pin `IN1`"),
-        ("ADD", vec![("IN1 edge=\"rising\"", "I"), ("IN2", "J")], "I", "at pin `IN1`"),
-        ("ADD", vec![("IN1", "I"), ("IN2 storage=\"set\"", "J")], "I", "at pin `IN2`"),
+        ("ADD", vec![("IN1 negated=\"true\"", "I"), ("IN2", "J")], "I", "pin `IN1`, an operand, with negation"),
+        ("ADD", vec![("IN1 edge=\"rising\"", "I"), ("IN2", "J")], "I", "pin `IN1`, an operand, with negation"),
+        ("ADD", vec![("IN1", "I"), ("IN2 storage=\"set\"", "J")], "I", "`storage` = `set`"),
         ("ADD", vec![("EN", "A"), ("IN1", "I"), ("IN2", "J")], "I", "a condition at EN"),
         ("ADD", two("I", ""), "I", "a pin of block `ADD` (number 2) is connected to nothing"),
         ("ADD", two("rail", "J"), "I", "what feeds block `ADD`"),
@@ -173,7 +195,7 @@ fn a_function_has_one_result_and_one_user() {
         read_as(&file(&text.replacen(from, to, 1)))
     };
     assert_eq!(read_as(&file(&good)), "I := (I + J)");
-    let end = r#"<outVariable localId="4"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"/></connectionPointIn><expression>J</expression></outVariable></LD>"#;
+    let end = r#"<outVariable localId="4"><connectionPointIn><connection refLocalId="2" formalParameter="OUT"><position x="0" y="0"/></connection></connectionPointIn><expression>J</expression></outVariable></LD>"#;
     let pin = r#"<variable formalParameter="OUT"/>"#;
     for (from, to, reason) in [
         ("</LD>", end, "which has several users"),

@@ -55,6 +55,16 @@ fn assert_wrong_input(directory: &Scratch, arguments: &str, says: &str) {
 }
 
 #[test]
+fn a_proof_ends_when_its_time_is_over() {
+    let d = Scratch::new("time");
+    d.write("lamp.chart", LAMP);
+    assert_eq!(code(&chartwright(d.path(), "build lamp.chart -o lamp.xml")), 0);
+    let open = "error[E802]: the program has neither been proved nor refuted within 0 s";
+    assert_wrong_input(&d, "prove lamp.chart lamp.xml --time 0", open);
+    assert_eq!(code(&chartwright(d.path(), "prove lamp.chart lamp.xml --time 60")), 0);
+}
+
+#[test]
 fn wrong_usage_exits_with_2() {
     let d = Scratch::new("usage");
     d.write("lamp.chart", LAMP);

@@ -24,7 +24,8 @@ fn codesys(language: &str, body: &str) -> String {
 }
 
 fn from(number: u32) -> String {
-    format!(r#"<connectionPointIn><connection refLocalId="{number}"/></connectionPointIn>"#)
+    let end = r#"<position x="0" y="0"/>"#;
+    format!(r#"<connectionPointIn><connection refLocalId="{number}">{end}</connection></connectionPointIn>"#)
 }
 
 fn contact(number: u32, before: u32, name: &str) -> String {
@@ -126,10 +127,13 @@ fn a_line_ends_at_a_pin_of_its_block() {
     let points = |x: u32, y: u32| format!(r#"><position x="400" y="120"/><position x="{x}" y="{y}"/>"#);
     assert_eq!(read("B", &points(280, 120)), "Ton On in A; B := On.Q");
     assert_eq!(read("D", &points(280, 140)), "Ton On in A; D := On.ET");
-    assert_eq!(read("B", r#" formalParameter="q">"#), "Ton On in A; B := On.Q");
-    assert_eq!(read("D", r#" formalParameter="et">"#), "Ton On in A; D := On.ET");
-    for nowhere in [points(280, 130), points(281, 120), points(120, 280), r#" formalParameter="X">"#.into(), ">".into()]
-    {
+    let named = |name: &str| format!(r#" formalParameter="{name}"><position x="0" y="0"/>"#);
+    assert_eq!(read("B", &named("Q")), "Ton On in A; B := On.Q");
+    assert_eq!(read("D", &named("ET")), "Ton On in A; D := On.ET");
+    // Beremiz finds nothing by another spelling, and fails without a position.
+    assert!(read("B", &named("q")).contains("in capital letters"), "{}", read("B", &named("q")));
+    assert!(read("B", r#" formalParameter="Q">"#).contains("without a position"));
+    for nowhere in [points(280, 130), points(281, 120), points(120, 280), named("X"), points(0, 0)] {
         let found = read("B", &nowhere);
         assert!(found.contains("does not say from which output of block `On`"), "{nowhere}: {found}");
     }
@@ -151,8 +155,8 @@ fn codesys_assigns_at_the_output_pins_of_a_block() {
     assert_eq!(read(&(pin("Q", "", "B") + &pin("ET", "", " D "))), "Ton On in A; B := On.Q; D := On.ET");
     assert_eq!(read(&(pin("Q", "", "???") + &pin("ET", "", ""))), "Ton On in A");
     for (outputs, reason) in [
-        (pin("Q", r#"negated="true""#, "B"), "an assigned output pin with negation or edge"),
-        (pin("Q", r#"edge="rising""#, "B"), "an assigned output pin with negation or edge"),
+        (pin("Q", r#"negated="true""#, "B"), "pin `Q`, an assigned output, with negation or edge"),
+        (pin("Q", r#"edge="rising""#, "B"), "pin `Q`, an assigned output, with negation or edge"),
         (pin("Q", "", "D"), "`D` is TIME and cannot take BOOL"),
         (pin("Q", "", "Z"), "`Z` is not declared"),
         (pin("Q1", "", "B"), "the output pin `Q1`"),
@@ -169,8 +173,8 @@ fn codesys_assigns_at_the_output_pins_of_a_block() {
     assert_eq!(sum(&(pin("Out", "", "I") + &pin("ENO", "", ""))), "I := (J + J)");
     assert_eq!(sum(&pin("Out", "", "???")), "");
     for (outputs, reason) in [
-        (pin("Out", r#"negated="true""#, "I"), "an assigned output of block `ADD`"),
-        (pin("Out", r#"edge="rising""#, "I"), "an assigned output of block `ADD`"),
+        (pin("Out", r#"negated="true""#, "I"), "pin `Out`, an assigned output, with negation or edge"),
+        (pin("Out", r#"edge="rising""#, "I"), "pin `Out`, an assigned output, with negation or edge"),
         (pin("Out", "", "I") + &pin("More", "", ""), "an assigned output of block `ADD`"),
         (pin("Out", "", "D"), "of another type than `D`"),
     ] {

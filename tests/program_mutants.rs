@@ -23,13 +23,9 @@
 use crate::support::damage::{Mutant, mutant};
 use crate::support::models;
 use crate::support::numbers;
-use crate::support::proof::{Simulated, build, read_back};
+use crate::support::proof::{agree_by_chance as run, build, confirm, read_back};
 use crate::support::rng::Rng;
-use chartwright::ir::chart::Machine;
-use chartwright::ir::iec::Project;
 use chartwright::pipeline::Dialect;
-use chartwright::prove::joint::Stimulus;
-use chartwright::prove::trace::Trace;
 use chartwright::prove::{Correspondence, Doubt, Verdict, equivalence};
 
 #[test]
@@ -125,42 +121,5 @@ fn programs_that_count_wrong_are_refuted() {
         println!("{name}: {refuted} refuted, {weakened} with a weaker filter, {} proved: {proved:#?}", proved.len());
         assert!(unknown.len() <= 4, "{name}: {unknown:#?}");
         assert!(refuted >= least, "{name}: {refuted} refuted, {proved:#?} proved");
-    }
-}
-
-/// The simulators see in each scan what the trace says.
-fn confirm(machine: &Machine, names: &Correspondence, project: &Project, trace: &Trace, what: &str) {
-    assert!(!trace.differences().is_empty(), "{what}:\n{trace}");
-    let mut simulated = Simulated::new(machine, names, project);
-    let on_time = trace.scans.iter().skip(1).all(|s| s.stimulus.pause == trace.cycle);
-    for (n, scan) in trace.scans.iter().enumerate() {
-        simulated.scan(&scan.stimulus);
-        for (i, compared) in trace.compared.iter().enumerate() {
-            let chart = simulated.chart(compared.part).filter(|_| on_time);
-            assert!(chart.is_none_or(|v| v == scan.chart[i]), "{what}: {} in scan {n}\n{trace}", compared.what);
-            let program = simulated.program(compared.part);
-            assert!(program.is_none_or(|v| v == scan.program[i]), "{what}: {} in scan {n}\n{trace}", compared.name);
-        }
-    }
-}
-
-/// The simulators see no difference in random runs.
-fn run(machine: &Machine, names: &Correspondence, project: &Project, what: &str, seed: u64) {
-    let mut rng = Rng::new(seed);
-    let compared: Vec<_> = machine.outputs.ids().map(chartwright::prove::parts::Part::Output).collect();
-    let compared: Vec<_> =
-        compared.into_iter().chain(machine.states.ids().map(chartwright::prove::parts::Part::Flag)).collect();
-    for percent in [2, 10, 40] {
-        let mut simulated = Simulated::new(machine, names, project);
-        let mut inputs: Vec<bool> = machine.inputs.ids().map(|_| rng.chance(50)).collect();
-        for scan in 0..300 {
-            inputs.iter_mut().for_each(|value| *value ^= rng.chance(percent));
-            let pause = i64::from(machine.cycle) * 1000;
-            simulated.scan(&Stimulus { pause, inputs: inputs.clone() });
-            for &part in &compared {
-                let (chart, program) = (simulated.chart(part), simulated.program(part));
-                assert_eq!(chart, program, "{what}: {} in scan {scan}", simulated.describe(part));
-            }
-        }
     }
 }

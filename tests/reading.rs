@@ -212,8 +212,8 @@ fn blocks_and_edges_run_before_what_reads_them() {
         pin("IN", 2),
         pin("PT", 3)
     );
-    let q = r#"<coil localId="4"><connectionPointIn><connection refLocalId="9" formalParameter="Q"/></connectionPointIn><variable>B</variable></coil>"#;
-    let et = r#"<outVariable localId="5"><connectionPointIn><connection refLocalId="9" formalParameter="ET"/></connectionPointIn><expression>D1</expression></outVariable>"#;
+    let q = r#"<coil localId="4"><connectionPointIn><connection refLocalId="9" formalParameter="Q"><position x="0" y="0"/></connection></connectionPointIn><variable>B</variable></coil>"#;
+    let et = r#"<outVariable localId="5"><connectionPointIn><connection refLocalId="9" formalParameter="ET"><position x="0" y="0"/></connection></connectionPointIn><expression>D1</expression></outVariable>"#;
     let body = [
         RAIL,
         &element("contact", 2, r#"edge="rising""#, &[1], "<variable>A</variable>"),
@@ -249,12 +249,15 @@ fn divergences_and_convergences_join_steps() {
         step(8, "S2", &[6]),
         joint("simultaneousConvergence", 9, &[7, 8]),
         transition(10, &[9], "S1.T &gt;= T#1s"),
-        jump(11, &[10], "s0"),
+        jump(11, &[10], "S0"),
     ]
     .concat();
     let sfc = sfc(&file(BEREMIZ, "", &format!("<SFC>{body}</SFC>")));
     assert_eq!(ways(&sfc), ["S0>S1+S2", "S1+S2>S0", "S0>S1+S2"]);
     assert!(sfc.transitions.iter().all(|t| t.priority.is_none()));
+    let other = body.replace(r#"targetName="S0""#, r#"targetName="s0""#);
+    assert_eq!(project(&file(CODESYS, "", &format!("<SFC>{other}</SFC>"))).programs.len(), 1);
+    refused(&file(BEREMIZ, "", &format!("<SFC>{other}</SFC>")), Code::NotUnderstood, "written otherwise");
 }
 
 #[test]
@@ -432,6 +435,19 @@ fn the_frame_of_the_file_is_checked() {
     let external = r#"<externalVars><variable name="g"><type><BOOL/></type></variable></externalVars></interface>"#;
     assert_eq!(project(&hidden.replace("</interface>", external)).programs.len(), 1);
     refused(&good.replace("</interface>", external), Code::Undeclared, "external variable `g`");
+}
+
+#[test]
+fn elements_with_thousands_of_attributes_are_refused_at_once() {
+    let start = std::time::Instant::now();
+    let many: String = (0..40_000).map(|n| format!(" a{n}=\"<\"").replace('<', "&lt;")).collect();
+    let text = file(BEREMIZ, "", "<LD/>").replace("<LD/>", &format!("<LD{many}/>"));
+    refused(&text, Code::NotPlcopen, "more than 256 attributes");
+    assert!(start.elapsed() < std::time::Duration::from_secs(2), "{:?}", start.elapsed());
+    // What looks like attributes within comments, texts and values is none.
+    let quotes = "\"".repeat(2000);
+    let text = file(BEREMIZ, "", &format!("<!-- <a {quotes}> --><LD/><?p {quotes}?>"));
+    assert_eq!(project(&text.replace(r#"name="P""#, &format!("name='P{quotes}'"))).programs.len(), 1);
 }
 
 #[test]

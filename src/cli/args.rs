@@ -148,6 +148,10 @@ pub struct Prove {
     /// The program as PLCopen XML.
     pub program: PathBuf,
 
+    /// After how many seconds to end.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    pub time: u64,
+
     #[command(flatten)]
     pub output: Output,
 }

@@ -26,6 +26,8 @@
 //! Then, of the program alone and for all commands ([`guard`]): what its filter lets through violates no
 //! constraint as long as no assumption is broken, and it is what was commanded where that violates none.
 //!
+//! And no number leaves its type ([`sums`]), since tools differ in what becomes of it.
+//!
 //! When a time has passed is left open, the same on both sides: so the proof holds for every course of
 //! time, that of a late scan included.
 //!
@@ -44,6 +46,7 @@ use super::matching::{Match, Pair};
 use super::parts::{SCAN_WIDTH, WIDTH};
 use super::program_step::ProgramStep;
 use super::search::{self, search};
+use super::sums;
 use super::trace::Trace;
 use crate::bits::sat::{self, Sat};
 use crate::bits::vector;
@@ -174,6 +177,7 @@ fn attempt(
                     Err(_) if induction::guess(pair, &mut matched, &hopeless, true) > 0 => continue,
                     Err(why) => return Ok(Verdict::Unknown(Box::new(Doubt::Unsafe(why)))),
                 };
+                sums::examine(pair, &matched, history, &lemmas, &mut sat)?;
                 let meanings = matched.meanings.iter().flatten().count();
                 let (states, latches) = (machine.states.len(), program.latches().len());
                 let effort = sat.effort();

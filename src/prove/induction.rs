@@ -145,6 +145,18 @@ pub fn cut(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>)
     Cut { aig, before, inputs, chart, commands, outputs, given }
 }
 
+/// Where numbers are computed in the first scan, or with what the proof of [`step`] rests on in any later one: what is
+/// made of them, and whether they leave their types; with the graph and what is known of what is remembered.
+pub fn sums(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>) -> (Aig, Lit, Vec<(String, Lit)>) {
+    let mut both = match later {
+        None => Both::power_up(pair),
+        Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
+    };
+    let (inputs, clocks) = both.given_to_program(matched);
+    let sums = pair.program.sums(&mut both.aig, &both.program, &inputs, &clocks);
+    (both.aig, both.given, sums)
+}
+
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
 /// known by construction; returns how many were found. What is found is a guess and becomes a claim.
 /// Latches that `hopeless` names are left alone. With `any_commands` those matter, too, that do so only for commands which the
@@ -320,6 +332,12 @@ impl<'a> Both<'a> {
 
     /// Runs the program's scan.
     fn run(&mut self, matched: &Match, after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState)) -> ProgramState {
+        let (inputs, clocks) = self.given_to_program(matched);
+        self.pair.program.scan(&mut self.aig, &self.program, &inputs, &clocks, after)
+    }
+
+    /// The inputs of the program, and whether the times of its timers have passed.
+    fn given_to_program(&mut self, matched: &Match) -> (Vec<(usize, Lit)>, Vec<Lit>) {
         let inputs: Vec<(usize, Lit)> = matched.inputs.iter().copied().zip(self.inputs.iter().copied()).collect();
         // A timer of which nothing is known may end whenever it likes. One that measures a time of the
         // chart ends when that does: they start together, which is among the claims.
@@ -331,7 +349,7 @@ impl<'a> Both<'a> {
                 (None, None) => Lit::FALSE,
             });
         }
-        self.pair.program.scan(&mut self.aig, &self.program, &inputs, &clocks, after)
+        (inputs, clocks)
     }
 
     /// Runs the program's scan with free commands in place of those that it computes; returns them, and what it lets through.

@@ -28,7 +28,7 @@ pub struct Match {
     pub guessed: Vec<bool>,
     /// For each block of the program, the time that it is believed to measure.
     pub timers: Vec<Option<Timer>>,
-    /// Steps and timers that the program lacks; without them it can be refuted but not proved.
+    /// Timers of other times than the chart's; with them it can be refuted but not proved.
     pub missing: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ pub struct Pair<'a> {
 }
 
 impl Match {
-    /// Looks names up; says which one the program does not have.
+    /// Looks names up; says which ones the program does not have.
     pub fn of(pair: Pair<'_>, names: &Correspondence, project: &Project) -> Result<Match, String> {
         let Pair { machine, program, .. } = pair;
         let globals: BTreeMap<String, VarId> = project
@@ -109,8 +109,12 @@ impl Match {
                 matched.parts.extend((0..SCAN_WIDTH).map(|bit| Part::Scan(which, bit)).zip(latches));
             }
         }
-        matched.steps(pair, names, project);
-        matched.timers(pair, names, project);
+        let mut absent = matched.steps(pair, names, project);
+        absent.extend(matched.timers(pair, names, project));
+        if let [first, rest @ ..] = absent.as_slice() {
+            let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
+            return Err(format!("{first}{more}"));
+        }
         wiring::compare(machine, names, project)?;
         matched.by_construction(pair, project);
         for (state, name) in machine.states.ids().zip(&names.last) {
@@ -123,7 +127,10 @@ impl Match {
         Ok(matched)
     }
 
-    fn steps(&mut self, Pair { machine, program, .. }: Pair<'_>, names: &Correspondence, project: &Project) {
+    /// Returns what is absent.
+    fn steps(&mut self, pair: Pair<'_>, names: &Correspondence, project: &Project) -> Vec<String> {
+        let Pair { machine, program, .. } = pair;
+        let mut absent = Vec::new();
         let mut places = BTreeMap::new();
         for (p, instance) in project.programs.iter().enumerate() {
             if let Body::Sfc(sfc) = &instance.body {
@@ -138,13 +145,17 @@ impl Match {
                 Some(&latch) => self.parts.push((Part::Step(id), latch)),
                 None => {
                     let what = Part::Step(id).describe(machine);
-                    self.missing.push(missing(&format!("{program}.{step}"), &what));
+                    absent.push(format!("the program has no step `{program}.{step}` that is reached, for {what}"));
                 }
             }
         }
+        absent
     }
 
-    fn timers(&mut self, Pair { machine, chart, program }: Pair<'_>, names: &Correspondence, project: &Project) {
+    /// Returns what is absent.
+    fn timers(&mut self, pair: Pair<'_>, names: &Correspondence, project: &Project) -> Vec<String> {
+        let Pair { machine, chart, program } = pair;
+        let mut absent = Vec::new();
         let places: BTreeMap<(String, String), BlockId> = project
             .blocks
             .iter()
@@ -157,20 +168,22 @@ impl Match {
             let timer = Timer { index, state, ms };
             let what = Part::Begins(timer).describe(machine);
             let Some((place, name)) = names.timers.get(&(state, ms)) else {
-                self.missing.push(format!("nothing is known to stand for {what}"));
+                absent.push(format!("nothing is known to stand for {what}"));
                 continue;
             };
             let found = places.get(&(iec::fold(place), iec::fold(name)));
             // With another preset time it does not measure this one.
             let fits = |id: &&BlockId| program.presets()[id.index()] == Some(i64::from(ms) * 1000);
-            match found.filter(fits) {
-                Some(&id) => {
+            match (found, found.filter(fits)) {
+                (_, Some(&id)) => {
                     self.timers[id.index()] = Some(timer);
                     self.parts.push((Part::Begins(timer), program.block(id) + 3));
                 }
-                None => self.missing.push(missing(&format!("{place}.{name}"), &what)),
+                (Some(_), None) => self.missing.push(format!("`{place}.{name}` measures another time than {what}")),
+                (None, None) => absent.push(missing(&format!("{place}.{name}"), &what)),
             }
         }
+        absent
     }
 
     /// What latches hold by the way in which a program is made: parts hold themselves, the bits of a

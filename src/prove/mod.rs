@@ -9,6 +9,7 @@
 //! | [`configuration`] | every configuration of a chart, decoded from free bits |
 //! | [`induction`] | first scan and any later scan, claim by claim |
 //! | [`guard`] | what the program's filter lets through, whatever is commanded |
+//! | [`sums`] | whether its numbers stay within their types |
 //! | [`lemmas`] | what a chart can never reach, where the induction asks for it |
 //! | [`joint`], [`search`], [`ahead`], [`shorten`] | chart and program side by side from power-up, and a hunt for a difference |
 //! | [`wiring`] | addresses and the time between two scans |
@@ -34,6 +35,7 @@ pub mod parts;
 pub mod program_step;
 pub mod search;
 pub mod shorten;
+pub mod sums;
 pub mod trace;
 pub mod wiring;
 

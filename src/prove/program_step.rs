@@ -240,6 +240,32 @@ impl<'p> ProgramStep<'p> {
         clocks: &[Lit],
         after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState),
     ) -> ProgramState {
+        self.run(aig, before, inputs, clocks, after, None)
+    }
+
+    /// One scan from a state before it: for each place where numbers are computed, what is made of them, and whether
+    /// one of them leaves its type there. Tools differ in what becomes of it then.
+    pub fn sums(
+        &self,
+        aig: &mut Aig,
+        before: &ProgramState,
+        inputs: &[(usize, Lit)],
+        clocks: &[Lit],
+    ) -> Vec<(String, Lit)> {
+        let mut sums = Vec::new();
+        self.run(aig, before, inputs, clocks, &mut |_, _, _| {}, Some(&mut sums));
+        sums
+    }
+
+    fn run(
+        &self,
+        aig: &mut Aig,
+        before: &ProgramState,
+        inputs: &[(usize, Lit)],
+        clocks: &[Lit],
+        after: &mut impl FnMut(&mut Aig, usize, &mut ProgramState),
+        mut sums: Option<&mut Vec<(String, Lit)>>,
+    ) -> ProgramState {
         let mut state = before.clone();
         for &(latch, value) in inputs {
             state[latch] = value;
@@ -248,7 +274,8 @@ impl<'p> ProgramStep<'p> {
             state[block + 3] = Lit::FALSE;
         }
         for (p, program) in self.project.programs.iter().enumerate() {
-            let mut run = Run { step: self, aig, program: p, state: &mut state, clocks };
+            let sums = sums.as_deref_mut();
+            let mut run = Run { step: self, aig, program: p, state: &mut state, clocks, sums };
             match &program.body {
                 Body::Code(statements) => run.statements(statements, Lit::TRUE),
                 Body::Sfc(sfc) => run.sfc(sfc),
@@ -266,6 +293,8 @@ struct Run<'a, 'p> {
     program: usize,
     state: &'a mut ProgramState,
     clocks: &'a [Lit],
+    /// Where numbers leave their types, if somebody asks.
+    sums: Option<&'a mut Vec<(String, Lit)>>,
 }
 
 impl Run<'_, '_> {

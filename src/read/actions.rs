@@ -25,9 +25,6 @@ pub fn association(
 ) -> Result<Association, Problem> {
     let qualifier = qualifier(action)?;
     let duration = duration(action, qualifier, cx)?;
-    if xml::attribute(action, "indicator").is_some() {
-        return Err(xml::not_understood("the indicator of an action", action));
-    }
     let target = match (xml::child(action, "reference"), xml::child(action, "inline")) {
         (Some(reference), None) => reference_target(pou, reference, sfc, known, cx)?,
         (None, Some(inline)) => {
@@ -164,21 +161,27 @@ fn qualifier(action: Node<'_>) -> Result<Qualifier, Problem> {
 }
 
 fn duration(action: Node<'_>, qualifier: Qualifier, cx: &Context<'_, '_>) -> Result<Time, Problem> {
-    match qualifier {
+    let text = xml::attribute(action, "duration");
+    let timed = match qualifier {
         Qualifier::NonStored
         | Qualifier::Set
         | Qualifier::Reset
         | Qualifier::Pulse
         | Qualifier::PulseRising
-        | Qualifier::PulseFalling => return Ok(0),
+        | Qualifier::PulseFalling => false,
         Qualifier::Limited
         | Qualifier::Delayed
         | Qualifier::StoredLimited
         | Qualifier::StoredDelayed
-        | Qualifier::DelayedStored => {}
-    }
-    let Some(text) = xml::attribute(action, "duration") else {
-        return Err(xml::problem(Code::BrokenText, "a timed action has no duration", action));
+        | Qualifier::DelayedStored => true,
+    };
+    let text = match (timed, text) {
+        (false, None) => return Ok(0),
+        (false, Some(text)) => {
+            return Err(xml::not_understood(format!("the duration `{text}` of an action without time"), action));
+        }
+        (true, Some(text)) => text,
+        (true, None) => return Err(xml::problem(Code::BrokenText, "a timed action has no duration", action)),
     };
     match cx.expression(text, action)?.0 {
         Value::Time(Number::Const(time)) => Ok(time),

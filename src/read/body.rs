@@ -42,6 +42,17 @@ impl<'a> Body<'a> {
         Body { elements, by_number }
     }
 
+    /// Whether some line comes from that output of an element; one that says no output may come from any.
+    pub fn is_left(&self, node: Node<'a>, output: Option<&str>) -> bool {
+        let number = xml::attribute(node, "localId").and_then(|n| n.parse::<u64>().ok());
+        let lines = self.elements.iter().flat_map(|n| xml::descendants(*n, "connection"));
+        lines.into_iter().any(|line| {
+            let from = xml::attribute(line, "refLocalId").and_then(|n| n.parse().ok());
+            let named = xml::attribute(line, "formalParameter");
+            from == number && (named.is_none() || named == output)
+        })
+    }
+
     /// The lines into all `connectionPointIn` directly within `node`.
     pub fn lines(&self, node: Node<'a>) -> Result<Vec<Line<'a>>, Problem> {
         let mut lines = Vec::new();
@@ -53,11 +64,24 @@ impl<'a> Body<'a> {
                     return Err(xml::problem(Code::Unconnected, message, connection));
                 };
                 let parameter = xml::attribute(connection, "formalParameter");
+                if let Some(output) = parameter.filter(|_| !xml::is(node, "actionBlock"))
+                    && is_other_output(self.elements[from], output)
+                {
+                    let what = format!("a line from output `{output}` of {}", describe(self.elements[from]));
+                    return Err(xml::not_understood(what, connection));
+                }
                 lines.push(Line { from, parameter, node: connection });
             }
         }
         Ok(lines)
     }
+}
+
+/// Whether that is no output of a step which leads to transitions, but that of its actions, say.
+fn is_other_output(step: Node<'_>, output: &str) -> bool {
+    let named = |name| xml::child(step, name).and_then(|n| xml::attribute(n, "formalParameter"));
+    let is_main = named("connectionPointOut").map(|main| main.eq_ignore_ascii_case(output));
+    xml::is(step, "step") && !is_main.unwrap_or(named("connectionPointOutAction") != Some(output))
 }
 
 /// What an element is called in messages: its kind, and its name or variable if it has one.

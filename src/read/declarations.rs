@@ -30,21 +30,37 @@ pub fn block_named(name: &str) -> Option<BlockKind> {
     }
 }
 
-/// What is kept when power is off is not what it is declared to be when power is back.
-fn refuse_kept(list: Node<'_>, problems: &mut Diagnostics) {
-    for flag in ["retain", "persistent"] {
-        if xml::flag(list, flag) {
-            problems.push(xml::not_understood(format!("a list of variables that are `{flag}`"), list));
+/// Declares the variables of one list.
+pub fn declare(list: Node<'_>, scope: Scope, names: &mut Names, project: &mut Project, problems: &mut Diagnostics) {
+    for node in xml::children_named(list, "variable") {
+        if let Err(problem) = variable(node, scope, names, project) {
+            problems.push(problem);
         }
     }
 }
 
-/// Declares the variables of one list.
-pub fn declare(list: Node<'_>, scope: Scope, names: &mut Names, project: &mut Project, problems: &mut Diagnostics) {
-    refuse_kept(list, problems);
+/// The compiler behind Beremiz fails at an address in small letters.
+pub fn small_letters(list: Node<'_>, problems: &mut Diagnostics) {
     for node in xml::children_named(list, "variable") {
-        if let Err(problem) = variable(node, scope, names, project) {
-            problems.push(problem);
+        let address = xml::attribute(node, "address").unwrap_or_default();
+        if address.chars().any(|c| c.is_ascii_lowercase()) {
+            problems.push(xml::not_understood(format!("the address {address} in small letters"), node));
+        }
+    }
+}
+
+/// Beremiz loses the address of a variable that stands behind one without; `unlocated` is the first of those.
+pub fn located_first<'a>(list: Node<'a>, unlocated: &mut Option<&'a str>, problems: &mut Diagnostics) {
+    for node in xml::children_named(list, "variable") {
+        let name = xml::attribute(node, "name").unwrap_or_default();
+        match (xml::attribute(node, "address"), *unlocated) {
+            (None, None) => *unlocated = Some(name),
+            (Some(address), Some(first)) => {
+                let what =
+                    format!("the address {address} of `{name}`, which stands behind `{first}`, a variable without,");
+                problems.push(xml::not_understood(what, node));
+            }
+            (None, Some(_)) | (Some(_), None) => {}
         }
     }
 }
@@ -77,7 +93,6 @@ fn introduce(name: &str, symbol: Symbol, names: &mut Names, node: Node<'_>) -> R
 
 /// Makes the global variables that a list names as external known in a program.
 pub fn import(list: Node<'_>, globals: &Globals, names: &mut Names, project: &Project, problems: &mut Diagnostics) {
-    refuse_kept(list, problems);
     for node in xml::children_named(list, "variable") {
         let found = xml::required(node, "name").and_then(|name| match globals.names.get(&fold(name)) {
             None => {

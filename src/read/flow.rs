@@ -4,6 +4,7 @@
 
 use super::Problem;
 use super::body::{Body, Line, describe};
+use super::branches::Branches;
 use super::declarations;
 use super::functions::{self, Function};
 use super::program::{Context, broken};
@@ -26,6 +27,8 @@ const DEEP: usize = 24;
 /// Follows lines in one body and collects the calls that have to come before their ends are read.
 pub struct Flow<'b, 'a> {
     body: &'b Body<'a>,
+    /// Whether the block that is being called has an execution order.
+    ordered: bool,
     /// For each element, whether it is a block that has been called.
     called: Vec<bool>,
     chain: usize,
@@ -70,15 +73,21 @@ struct Visit<'a> {
 impl<'b, 'a> Flow<'b, 'a> {
     /// Nothing called yet.
     pub fn new(body: &'b Body<'a>) -> Self {
-        Flow { body, called: vec![false; body.elements.len()], chain: 0, visits: 0, calls: Vec::new() }
+        Flow { ordered: false, body, called: vec![false; body.elements.len()], chain: 0, visits: 0, calls: Vec::new() }
     }
 
-    /// The disjunction of what comes along `lines`.
-    pub fn condition(&mut self, lines: &[Line<'a>], cx: &mut Context<'_, '_>) -> Result<Condition, Problem> {
+    /// The disjunction of what comes along the lines into `end`.
+    pub fn condition(&mut self, end: Node<'a>, cx: &mut Context<'_, '_>) -> Result<Condition, Problem> {
+        let lines = &self.body.lines(end)?;
         let mut walk = Walk::default();
         for line in lines {
             self.walk(line, &mut walk, cx)?;
         }
+        let mut branches = Branches::new(self.body, cx.family);
+        for &(element, _) in &walk.order {
+            branches.add(element)?;
+        }
+        branches.end(end)?;
         let mut terms = Terms::new();
         let mut shared = Vec::new();
         for (element, own) in walk.order {
@@ -250,9 +259,6 @@ impl<'b, 'a> Flow<'b, 'a> {
         cx: &mut Context<'_, '_>,
     ) -> Result<Condition, Problem> {
         let negated = xml::flag(node, "negated");
-        if given(node, "storage").is_some() && !xml::is(node, "coil") {
-            return Err(xml::not_understood(format!("storage at {}", describe(node)), node));
-        }
         match (negated, given(node, "edge")) {
             (false, None) => Ok(condition),
             (true, None) => {
@@ -296,11 +302,18 @@ impl<'b, 'a> Flow<'b, 'a> {
         if functions::is_function(node) {
             return self.assign_result(node, cx);
         }
+        // Beremiz reads the outputs that another block had before, and calls that when it comes to it.
+        if self.ordered {
+            let what = format!("{}, which feeds a block with an execution order and has not run,", describe(node));
+            return Err(xml::not_understood(what, node));
+        }
         if self.chain == CHAIN {
             return Err(xml::not_understood(format!("a chain of more than {CHAIN} function blocks"), node));
         }
         self.chain += 1;
+        let outer = std::mem::replace(&mut self.ordered, cx.family == Family::Beremiz && place(node).is_some());
         let result = self.call_new(node, cx);
+        self.ordered = outer;
         self.chain -= 1;
         result
     }
@@ -308,7 +321,9 @@ impl<'b, 'a> Flow<'b, 'a> {
     fn call_new(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
         let name = xml::required(node, "instanceName")?;
         let block = instance(name, node, cx)?;
-        if declarations::block_named(xml::required(node, "typeName")?) != Some(cx.blocks[block].kind) {
+        let kind = xml::required(node, "typeName")?;
+        exact(kind, node, cx)?;
+        if declarations::block_named(kind) != Some(cx.blocks[block].kind) {
             let message = format!("{}, whose type is not that of its declaration,", describe(node));
             return Err(xml::not_understood(message, node));
         }
@@ -320,8 +335,10 @@ impl<'b, 'a> Flow<'b, 'a> {
             let lines = self.body.lines(variable)?;
             let text = point.and_then(|p| xml::child(p, "expression")).map(xml::text);
             if lines.is_empty() && text.is_none() {
+                plain(variable, "fed by nothing")?;
                 continue;
             }
+            exact(pin, variable, cx)?;
             let what = st::input(cx.blocks[block].kind, pin);
             let what = what.filter(|_| seen.insert(pin.to_ascii_uppercase()));
             let what =
@@ -333,13 +350,14 @@ impl<'b, 'a> Flow<'b, 'a> {
                             let value = cx.expression(text, variable)?.0;
                             Condition::simple(value.bool().ok_or_else(|| needs_bool(variable))?)
                         }
-                        None => self.condition(&lines, cx)?,
+                        None => self.condition(variable, cx)?,
                     };
                     let condition = self.modify(condition, variable, cx)?;
                     let place = if what == st::Pin::Input { &mut call.input } else { &mut call.reset };
                     *place = Some(condition);
                 }
                 st::Pin::Preset => {
+                    plain(variable, "of numbers")?;
                     let value = match &text {
                         Some(text) => cx.expression(text, variable)?.0,
                         None => self.number(&lines, node, cx)?,
@@ -354,6 +372,12 @@ impl<'b, 'a> Flow<'b, 'a> {
         self.calls.push(Statement::Call(call));
         for variable in pins(node, "outputVariables") {
             self.assign_output(variable, block, cx)?;
+            // Where something comes from it, that is looked at with the line.
+            if let Err(problem) = plain(variable, "used by nothing")
+                && !self.body.is_left(node, xml::attribute(variable, "formalParameter"))
+            {
+                return Err(problem);
+            }
         }
         Ok(())
     }
@@ -370,9 +394,7 @@ impl<'b, 'a> Flow<'b, 'a> {
         let pin = xml::required(variable, "formalParameter")?;
         let value = st::output(block, pin, cx.blocks)
             .ok_or_else(|| xml::not_understood(format!("the output pin `{pin}`"), variable))?;
-        if xml::flag(variable, "negated") || given(variable, "edge").is_some() {
-            return Err(xml::not_understood("an assigned output pin with negation or edge", variable));
-        }
+        plain(variable, "an assigned output")?;
         let path: Vec<&str> = target.split('.').collect();
         let statement = st::assignment(&path, value, &cx.scope).map_err(|f| broken(f, target, variable))?;
         self.calls.push(statement);
@@ -385,6 +407,7 @@ impl<'b, 'a> Flow<'b, 'a> {
         if !functions::is_function(node) {
             return Ok(None);
         }
+        leaves_box(line, node, cx)?;
         if std::mem::replace(&mut self.called[line.from], true) {
             return Err(xml::not_understood(format!("{}, which has several users,", describe(node)), node));
         }
@@ -392,7 +415,11 @@ impl<'b, 'a> Flow<'b, 'a> {
         if !matches!(functions::results(node).as_slice(), [only] if *only == pin) {
             return Err(xml::not_understood(format!("a line from another output of {}", describe(node)), line.node));
         }
-        functions::read(node, self.body, cx).map(Some)
+        let function = functions::read(node, self.body, cx)?;
+        if !matches!(function.value, Value::Bool(_)) {
+            plain(pin, "of numbers")?;
+        }
+        Ok(Some(function))
     }
 
     /// CODESYS names within the output pin of a function the variable that takes the result.
@@ -409,7 +436,8 @@ impl<'b, 'a> Flow<'b, 'a> {
             if target.trim().is_empty() || target.trim() == "???" {
                 continue;
             }
-            if xml::flag(pin, "negated") || given(pin, "edge").is_some() || functions::results(node).len() > 1 {
+            plain(pin, "an assigned output")?;
+            if functions::results(node).len() > 1 {
                 return Err(xml::not_understood(format!("an assigned output of {}", describe(node)), pin));
             }
             let function = functions::read(node, self.body, cx)?;
@@ -421,6 +449,7 @@ impl<'b, 'a> Flow<'b, 'a> {
     /// The output of a block that has been called, from which a line comes.
     fn output(&mut self, line: &Line<'a>, cx: &mut Context<'_, '_>) -> Result<Value, Problem> {
         let node = self.body.elements[line.from];
+        leaves_box(line, node, cx)?;
         if let Some(function) = self.function(line, cx)? {
             return match function.value {
                 Value::Bool(value) => {
@@ -434,11 +463,15 @@ impl<'b, 'a> Flow<'b, 'a> {
         let block = instance(name, node, cx)?;
         let pin = output_pin(node, line)?;
         let parameter = xml::required(pin, "formalParameter")?;
+        exact(parameter, pin, cx)?;
         let value = st::output(block, parameter, cx.blocks)
             .ok_or_else(|| xml::not_understood(format!("pin `{parameter}` of {}", describe(node)), line.node))?;
         match value {
             Value::Bool(value) => Ok(Value::Bool(self.modify(Condition::simple(value), pin, cx)?.value)),
-            Value::Int(_) | Value::Time(_) => Ok(value),
+            Value::Int(_) | Value::Time(_) => {
+                plain(pin, "of numbers")?;
+                Ok(value)
+            }
         }
     }
 }
@@ -486,15 +519,36 @@ fn instance(name: &str, node: Node<'_>, cx: &Context<'_, '_>) -> Result<BlockId,
 
 /// The value of an inVariable.
 pub fn in_variable(node: Node<'_>, cx: &Context<'_, '_>) -> Result<(Value, Binding), Problem> {
-    refuse_modifiers(node)?;
     let text = xml::child(node, "expression").map(xml::text).unwrap_or_default();
     cx.expression(&text, node)
 }
 
-/// Beremiz drops the negation of a value, its edge and its storage.
-pub fn refuse_modifiers(node: Node<'_>) -> Result<(), Problem> {
-    if xml::flag(node, "negated") || given(node, "edge").is_some() || given(node, "storage").is_some() {
-        return Err(xml::not_understood(format!("negation, edge or storage at {}", describe(node)), node));
+/// The place that an element is given in the order; 0 is none.
+pub fn place(node: Node<'_>) -> Option<u64> {
+    xml::attribute(node, "executionOrderId").and_then(|n| n.parse::<u64>().ok()).filter(|&n| n > 0)
+}
+
+/// Only what is TRUE or FALSE, and is used, can be negated or have an edge.
+pub fn plain(pin: Node<'_>, what: &str) -> Result<(), Problem> {
+    if xml::flag(pin, "negated") || given(pin, "edge").is_some() {
+        let name = xml::attribute(pin, "formalParameter").unwrap_or_default();
+        return Err(xml::not_understood(format!("pin `{name}`, {what}, with negation or edge,"), pin));
+    }
+    Ok(())
+}
+
+/// The generator of Beremiz looks for the end of a line from a box, and for its pin by a name as it stands.
+fn leaves_box(line: &Line<'_>, node: Node<'_>, cx: &Context<'_, '_>) -> Result<(), Problem> {
+    if cx.family == Family::Beremiz && xml::child(line.node, "position").is_none() {
+        return Err(xml::not_understood(format!("a line from {} without a position", describe(node)), line.node));
+    }
+    exact(line.parameter.unwrap_or_default(), line.node, cx)
+}
+
+/// Beremiz knows pins and types by names in which case counts, and leaves out what it does not know.
+pub fn exact(name: &str, node: Node<'_>, cx: &Context<'_, '_>) -> Result<(), Problem> {
+    if cx.family == Family::Beremiz && name != name.to_ascii_uppercase() {
+        return Err(xml::not_understood(format!("`{name}`, which the standard writes in capital letters,"), node));
     }
     Ok(())
 }

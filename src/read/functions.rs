@@ -8,10 +8,10 @@
 
 use super::Problem;
 use super::body::{Body, describe};
-use super::flow::{given, in_variable, pins};
+use super::flow::{exact, in_variable, pins, plain};
 use super::program::{Context, broken};
 use super::st::{self, Value};
-use super::xml::{self, Node};
+use super::xml::{self, Family, Node};
 use crate::base::Code;
 use crate::ir::expr::Expr;
 use crate::ir::iec::{Atom, Kind, Number, Relation, Statement, VarId};
@@ -50,14 +50,15 @@ pub fn read<'a>(node: Node<'a>, body: &Body<'a>, cx: &Context<'_, '_>) -> Result
     if pins(node, "inOutVariables").next().is_some() {
         return refuse(format!("the in-out variables of {}", describe(node)));
     }
+    for pin in pins(node, "outputVariables").filter(|pin| !results(node).contains(pin)) {
+        plain(pin, "ENO")?;
+    }
     let mut operands = Vec::new();
     let mut names = Vec::new();
     let mut enabled = 0;
     for pin in pins(node, "inputVariables") {
         let name = xml::required(pin, "formalParameter")?;
-        if xml::flag(pin, "negated") || given(pin, "edge").is_some() || given(pin, "storage").is_some() {
-            return refuse(format!("negation, edge or storage at pin `{name}` of {}", describe(node)));
-        }
+        plain(pin, "an operand")?;
         if name.eq_ignore_ascii_case("EN") {
             always(pin, node, body)?;
             enabled = 1;
@@ -66,7 +67,9 @@ pub fn read<'a>(node: Node<'a>, body: &Body<'a>, cx: &Context<'_, '_>) -> Result
             operands.push(operand(pin, node, body, cx)?);
         }
     }
-    let function = xml::required(node, "typeName")?.to_ascii_uppercase();
+    let function = xml::required(node, "typeName")?;
+    exact(function, node, cx)?;
+    let function = function.to_ascii_uppercase();
     let relation = |r| (&["IN1", "IN2"][..], Some(r));
     let (expected, relation) = match function.as_str() {
         "MOVE" => (&["IN"][..], None),
@@ -81,10 +84,12 @@ pub fn read<'a>(node: Node<'a>, body: &Body<'a>, cx: &Context<'_, '_>) -> Result
         "GE" => relation(Relation::GreaterOrEqual),
         _ => return refuse(format!("the function {}", describe(node))),
     };
-    // All by the names of the standard, or all by their places, with EN or without it.
-    let named = names.iter().zip(expected).all(|(name, expected)| name.eq_ignore_ascii_case(expected));
+    // All by the names of the standard, or in CODESYS all by their places, with EN or without it.
+    let exactly = cx.family == Family::Beremiz;
+    let is = |name: &str, expected: &str| if exactly { name == expected } else { name.eq_ignore_ascii_case(expected) };
+    let named = names.iter().zip(expected).all(|(name, expected)| is(name, expected));
     let mut places = (1 + enabled..).zip(&names);
-    let placed = places.all(|(place, name)| name.eq_ignore_ascii_case(&format!("In{place}")));
+    let placed = !exactly && places.all(|(place, name)| name.eq_ignore_ascii_case(&format!("In{place}")));
     if names.len() != expected.len() || !(named || placed) {
         return refuse(format!("the inputs {} of {}", names.join(", "), describe(node)));
     }

@@ -7,7 +7,7 @@
 
 use super::Problem;
 use super::body::{Body, describe};
-use super::flow::{Flow, given, refuse_modifiers};
+use super::flow::{Flow, given, place};
 use super::program::{Context, broken};
 use super::st::{self, Value};
 use super::xml::{self, Family, Node};
@@ -39,8 +39,10 @@ pub fn read(content: Node<'_>, cx: &mut Context<'_, '_>) -> Vec<Statement> {
 fn sequence(body: &Body<'_>, cx: &mut Context<'_, '_>) -> Vec<usize> {
     let (mut first, mut ends, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
     for (index, &node) in body.elements.iter().enumerate() {
-        let place = xml::attribute(node, "executionOrderId").and_then(|n| n.parse::<u64>().ok()).filter(|&n| n > 0);
-        match (node.tag_name().name(), place, cx.family) {
+        if xml::attribute(node, "executionOrderId").is_some_and(|n| n.parse::<u64>().is_err()) {
+            cx.report(xml::not_understood(format!("the execution order of {}", describe(node)), node));
+        }
+        match (node.tag_name().name(), place(node), cx.family) {
             ("block" | "outVariable", Some(place), Family::Beremiz) => first.push((place, index)),
             ("coil" | "outVariable", _, _) | ("block", _, Family::Codesys) => ends.push(index),
             ("block", None, Family::Beremiz) => blocks.push(index),
@@ -98,8 +100,8 @@ fn coil<'a>(node: Node<'a>, flow: &mut Flow<'_, 'a>, cx: &mut Context<'_, '_>) -
         let message = format!("{} with storage and negation or edge", describe(node));
         return Err(xml::not_understood(message, node));
     }
-    let lines = flow.inputs(node)?;
-    let condition = flow.condition(&lines, cx)?;
+    flow.inputs(node)?;
+    let condition = flow.condition(node, cx)?;
     let condition = flow.modify(condition, node, cx)?;
     Ok(Statement::Coil(Coil { condition, variable, kind }))
 }
@@ -113,11 +115,10 @@ fn out_variable<'a>(
     let name = xml::child(node, "expression").map(xml::text).unwrap_or_default();
     let path: Vec<&str> = name.trim().split('.').collect();
     let (variable, kind) = st::writable(&path, &cx.scope).map_err(|f| broken(f, &name, node))?;
-    refuse_modifiers(node)?;
-    let lines = flow.inputs(node)?;
+    flow.inputs(node)?;
     match kind {
         Kind::Bool => {
-            let condition = flow.condition(&lines, cx)?;
+            let condition = flow.condition(node, cx)?;
             Ok(Statement::Coil(Coil { condition, variable, kind: CoilKind::Plain }))
         }
         Kind::Int { .. } | Kind::Time => {
@@ -144,6 +145,9 @@ pub fn transition(
     let mut flow = Flow::new(&body);
     let mut found = None;
     for &node in &body.elements {
+        if place(node).is_some() {
+            return Err(xml::not_understood(format!("the execution order of {}", describe(node)), node));
+        }
         let variable = match node.tag_name().name() {
             "coil" => xml::child(node, "variable"),
             "outVariable" => xml::child(node, "expression"),
@@ -155,8 +159,8 @@ pub fn transition(
         if !variable.trim().eq_ignore_ascii_case(name) || !plain || found.is_some() {
             return Err(xml::not_understood(format!("{} in the body of transition `{name}`", describe(node)), node));
         }
-        let lines = flow.inputs(node)?;
-        found = Some(flow.condition(&lines, cx)?);
+        flow.inputs(node)?;
+        found = Some(flow.condition(node, cx)?);
     }
     match found {
         Some(condition) => Ok((condition, flow.calls)),

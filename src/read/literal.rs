@@ -78,6 +78,17 @@ pub fn interval(text: &str) -> Option<Time> {
     duration(rest)
 }
 
+/// A number without a fraction, and the unit it counts.
+pub fn counted(number: &str, unit: &str) -> Option<Time> {
+    let unit = match unit.to_ascii_lowercase().as_str() {
+        "us" | "µs" => 1,
+        "ms" => MILLISECOND,
+        "s" => SECOND,
+        _ => return None,
+    };
+    Time::try_from(i128::from(integer(number)?) * unit).ok()
+}
+
 /// Whether `T` in `T#1s` marks a duration.
 pub fn is_time_prefix(prefix: &str) -> bool {
     prefix.eq_ignore_ascii_case("T") || prefix.eq_ignore_ascii_case("TIME")

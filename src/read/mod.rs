@@ -8,20 +8,24 @@
 //! | module | from | to |
 //! | --- | --- | --- |
 //! | [`xml`] | text | tree of elements |
-//! | [`shape`] | tree of elements | what no two tools read alike |
+//! | [`schema`] | place in the tree | what may stand there |
+//! | [`shape`] | tree of elements | what is not interpreted, or read in two ways |
 //! | [`vendor`] | what vendors add | whether it changes anything |
+//! | [`plain`] | declarations as text | whether they say what the lists say |
 //! | [`declarations`] | lists of variables | variables, blocks, names |
 //! | [`body`] | drawn body | elements by number, lines between them |
 //! | [`token`], [`st`] | structured text | tokens, then expressions and statements |
 //! | [`functions`] | boxes of functions | numbers, comparisons |
 //! | [`numbers`] | statements | what is computed alike in all tools |
 //! | [`flow`], [`ladder`] | contacts, blocks, coils | statements |
+//! | [`branches`] | parallel branches | what tools make of them otherwise than it is drawn |
 //! | [`sfc`], [`order`], [`actions`] | steps and lines between them | chart |
 //!
 //! Nothing here recurses without a bound, and nothing panics, whatever the input.
 
 mod actions;
 mod body;
+mod branches;
 mod declarations;
 mod flow;
 mod functions;
@@ -29,7 +33,9 @@ mod ladder;
 mod literal;
 mod numbers;
 mod order;
+mod plain;
 mod program;
+mod schema;
 mod scope;
 mod sfc;
 mod shape;
@@ -69,12 +75,18 @@ pub fn read(text: &str) -> (Option<Project>, Diagnostics) {
 fn read_project(root: Node<'_>, family: Family, project: &mut Project, problems: &mut Diagnostics) {
     let header = xml::child(root, "contentHeader");
     project.name = header.and_then(|n| xml::attribute(n, "name")).unwrap_or_default().to_owned();
-    shape::check(root, family, problems);
+    let table = schema::Table::of(family);
+    shape::file(root, &table, family, problems);
     let file = File { root, family };
     declarations::clashing_addresses(root, problems);
     let globals = read_globals(file, project, problems);
     let types = read_types(file, problems);
+    let mut examined = Vec::new();
     for instance in instances(file, &types, project, problems) {
+        if !examined.contains(&instance.pou) {
+            examined.push(instance.pou);
+            shape::program(instance.pou, &table, family, problems);
+        }
         let body = read_program(&instance, family, &globals, project, problems);
         let Instance { name, task, pou } = instance;
         let kind = xml::attribute(pou, "name").unwrap_or_default().to_owned();
@@ -98,9 +110,9 @@ impl<'a> File<'a> {
         while let Some(node) = open.pop() {
             let parent = node.parent().filter(|n| n.is_element());
             if xml::is(node, name) {
-                match parent.map(|p| p.tag_name().name()) {
-                    Some("data") => found.push(node),
-                    Some(parent) if parents.contains(&parent) => found.push(node),
+                match parent.map(|p| (p, p.tag_name().name())) {
+                    Some((data, "data")) if vendor::holds(data, node) => found.push(node),
+                    Some((_, parent)) if parents.contains(&parent) => found.push(node),
                     _ => problems.push(xml::not_understood(format!("`{name}` at this place"), node)),
                 }
             }
@@ -119,15 +131,13 @@ impl<'a> File<'a> {
 /// The global variables, in configurations, resources and vendor data of CODESYS.
 fn read_globals(file: File<'_>, project: &mut Project, problems: &mut Diagnostics) -> Globals {
     let mut globals = Globals::default();
-    for list in file.find("configVars", &["configuration"], problems) {
-        problems.push(xml::not_understood("variables that a configuration gives addresses or values", list));
-    }
-    for list in file.find("globalVars", &["configuration", "resource", "interface"], problems) {
-        if list.parent().is_some_and(|n| xml::is(n, "interface")) {
-            problems.push(xml::not_understood("a program with global variables of its own", list));
-            continue;
-        }
+    let mut unlocated = None;
+    for list in file.find("globalVars", &["configuration", "resource"], problems) {
         globals.lists.extend(xml::attribute(list, "name").map(fold));
+        if file.family == Family::Beremiz {
+            declarations::located_first(list, &mut unlocated, problems);
+            declarations::small_letters(list, problems);
+        }
         declarations::declare(list, Place::Global, &mut globals.names, project, problems);
     }
     globals
@@ -184,12 +194,14 @@ fn instances<'a>(
     if let [_, second, ..] = file.find("configuration", &["configurations"], problems)[..] {
         problems.push(xml::not_understood("a second configuration", second));
     }
-    for task in file.find("task", &["resource"], problems) {
+    let tasks = file.find("task", &["resource"], problems);
+    refuse_other_priorities(&tasks, problems);
+    for task in tasks {
         // Tasks of CODESYS interrupt each other.
         if file.family == Family::Codesys && !list.is_empty() && xml::child(task, "pouInstance").is_some() {
             problems.push(xml::not_understood("a second task with programs", task));
         }
-        match read_task(task) {
+        match read_task(task, file.family) {
             Ok(read) => {
                 let id = project.tasks.push(read);
                 list.extend(xml::children_named(task, "pouInstance").map(|n| (n, Some(id))));
@@ -229,21 +241,42 @@ fn instances<'a>(
     instances
 }
 
-fn read_task(node: Node<'_>) -> Result<Task, Problem> {
-    let name = xml::required(node, "name")?.to_owned();
-    if xml::attribute(node, "single").is_some() {
-        return Err(xml::not_understood(format!("task `{name}`, which an event starts,"), node));
+/// Beremiz runs tasks in the order in which they stand, others the most urgent first: 0 is that.
+fn refuse_other_priorities(tasks: &[Node<'_>], problems: &mut Diagnostics) {
+    let mut last = 0;
+    for &task in tasks.iter().filter(|task| xml::child(**task, "pouInstance").is_some()) {
+        let Some(text) = xml::attribute(task, "priority") else { continue };
+        match text.parse::<u16>() {
+            Ok(priority) if priority < last => {
+                problems.push(xml::not_understood("a task that stands after one of lower priority", task));
+            }
+            Ok(priority) => last = priority,
+            Err(_) => problems.push(xml::problem(Code::BrokenText, format!("`{text}` is no priority of a task"), task)),
+        }
     }
+}
+
+fn read_task(node: Node<'_>, family: Family) -> Result<Task, Problem> {
+    let name = xml::required(node, "name")?.to_owned();
     let Some(text) = xml::attribute(node, "interval") else {
         return Err(xml::not_understood(format!("task `{name}` without an interval"), node));
     };
-    match literal::interval(text) {
-        Some(interval) if interval > 0 && !vendor::settings_agree(node, interval) => {
-            Err(xml::not_understood(format!("task `{name}`, whose vendor settings say something else,"), node))
-        }
-        Some(interval) if interval > 0 => Ok(Task { name, interval }),
-        _ => Err(xml::problem(Code::BrokenText, format!("`{text}` is no interval of a task"), node)),
+    let broken = || xml::problem(Code::BrokenText, format!("`{text}` is no interval of a task"), node);
+    let other = || xml::not_understood(format!("task `{name}`, whose vendor settings say something else,"), node);
+    // Beremiz puts the text into a program as it stands.
+    let literal = text.split_once('#').is_some_and(|(_, rest)| !rest.to_ascii_lowercase().contains("us"));
+    if family == Family::Beremiz && !literal {
+        return Err(broken());
     }
+    let written = literal::interval(text).ok_or_else(broken)?;
+    let interval = match vendor::interval(node) {
+        // TwinCAT says the time there alone.
+        Ok(Some(interval)) if written == 0 => interval,
+        Ok(Some(interval)) if interval != written => return Err(other()),
+        Ok(_) => written,
+        Err(()) => return Err(other()),
+    };
+    if interval > 0 { Ok(Task { name, interval }) } else { Err(broken()) }
 }
 
 fn read_instance<'a>(
@@ -280,6 +313,9 @@ fn read_program(
     for list in xml::child(instance.pou, "interface").into_iter().flat_map(xml::children) {
         match list.tag_name().name() {
             "localVars" | "inputVars" | "outputVars" => {
+                if family == Family::Beremiz {
+                    declarations::small_letters(list, problems);
+                }
                 declarations::declare(list, place, &mut locals, project, problems);
             }
             "externalVars" => declarations::import(list, globals, &mut locals, project, problems),

@@ -189,6 +189,13 @@ impl<'a> Parts<'a> {
             let message = format!("a jump goes to `{name}`, which is no step");
             return Err(xml::problem(Code::Unconnected, message, node));
         };
+        // Beremiz tells letters of either case apart.
+        if cx.family == Family::Beremiz && xml::attribute(self.step_nodes[to], "name") != Some(name) {
+            return Err(xml::not_understood(
+                format!("a jump to `{name}`, a step of which the name is written otherwise,"),
+                node,
+            ));
+        }
         Ok((to, self.transitions_before(node, cx)?))
     }
 
@@ -378,10 +385,6 @@ fn condition<'a>(
 ) -> Result<Condition, Problem> {
     let missing = || xml::problem(Code::Unconnected, format!("{} has no condition", describe(transition)), transition);
     let node = xml::child(transition, "condition").ok_or_else(missing)?;
-    // Beremiz drops the negation.
-    if xml::flag(node, "negated") {
-        return Err(xml::not_understood("a negated condition", node));
-    }
     let content = xml::children(node).find(|n| !xml::is(*n, "addData")).ok_or_else(missing)?;
     match content.tag_name().name() {
         "connectionPointIn" => {
@@ -389,7 +392,7 @@ fn condition<'a>(
             if lines.is_empty() {
                 return Err(missing());
             }
-            flow.condition(&lines, cx)
+            flow.condition(node, cx)
         }
         "inline" => match xml::child(content, "ST") {
             Some(text) => {

@@ -6,6 +6,7 @@
 
 use super::body::{Body, describe};
 use super::literal;
+use super::plain;
 use super::program::Context;
 use super::xml::{self, Family, Node};
 use crate::base::Diagnostics;
@@ -78,21 +79,54 @@ pub fn data<'a>(node: Node<'a>, family: Family, problems: &mut Diagnostics) -> V
         let name = xml::attribute(data, "name").unwrap_or_default();
         match name.strip_prefix(ADDRESS) {
             Some(known) if KNOWN.contains(&known) => {}
+            Some("attributes") if only(data, "Attribute", |n| xml::attribute(n, "Name") == Some("qualified_only")) => {}
+            Some("buildproperties") if only(data, "LinkAlways", |_| true) => {}
+            Some("interfaceasplaintext") => {
+                let owner = node.parent().filter(|n| n.is_element());
+                if !owner.is_some_and(|owner| plain::agrees(&xml::text(data), owner)) {
+                    let what = "a text of declarations that is not known to say what the lists say";
+                    problems.push(xml::not_understood(what, data));
+                }
+            }
             _ => problems.push(xml::not_understood(format!("the vendor data `{name}`"), data)),
         }
         let namespace = node.tag_name().namespace();
-        found.extend(xml::children(data).filter(|n| n.tag_name().namespace() == namespace));
+        found.extend(xml::children(data).filter(|n| n.tag_name().namespace() == namespace && holds(data, *n)));
     }
     found
 }
 
-/// Whether the settings of a task, if it has some, say that it runs so often.
-pub fn settings_agree(task: Node<'_>, interval: Time) -> bool {
-    let settings = xml::children_named(task, "addData").flat_map(|n| xml::descendants(n, "TaskSettings"));
-    settings.into_iter().all(|settings| {
-        let found = xml::attribute(settings, "Interval").and_then(literal::interval);
-        xml::attribute(settings, "KindOfTask") == Some("Cyclic") && found == Some(interval)
-    })
+/// Whether the element within vendor data holds elements of that name alone, all of which are `harmless`.
+fn only(data: Node<'_>, name: &str, harmless: impl Fn(Node<'_>) -> bool) -> bool {
+    let inner: Vec<_> = xml::children(data).flat_map(xml::children).collect();
+    !inner.is_empty() && inner.into_iter().all(|n| xml::is(n, name) && harmless(n))
+}
+
+/// Whether vendor data holds that element as a part of the project, not as something of the vendor's own.
+pub fn holds(data: Node<'_>, element: Node<'_>) -> bool {
+    let name = xml::attribute(data, "name").and_then(|n| n.strip_prefix(ADDRESS));
+    matches!(
+        (name, element.tag_name().name()),
+        (Some("application" | "resource"), "resource") | (Some("globalvars"), "globalVars") | (Some("pou"), "pou")
+    )
+}
+
+/// How often a task runs by its settings: nothing if it has none, an error if they say no definite time.
+pub fn interval(task: Node<'_>) -> Result<Option<Time>, ()> {
+    let mut found = None;
+    for settings in xml::children_named(task, "addData").flat_map(|n| xml::descendants(n, "TaskSettings")) {
+        let text = xml::attribute(settings, "Interval").ok_or(())?;
+        // A literal with its unit, or a number of which another attribute says the unit.
+        let time = match xml::attribute(settings, "IntervalUnit") {
+            Some(unit) if !text.contains('#') => literal::counted(text, unit),
+            _ => literal::interval(text),
+        };
+        let time = time.filter(|_| xml::attribute(settings, "KindOfTask") == Some("Cyclic")).ok_or(())?;
+        if found.replace(time).is_some_and(|first| first != time) {
+            return Err(());
+        }
+    }
+    Ok(found)
 }
 
 /// Refuses attributes of an element of an SFC that change what it does, or contradict it.

@@ -22,8 +22,15 @@ pub enum Family {
 /// Most elements, attributes and texts of a file.
 const NODES: u32 = 20_000_000;
 
+/// Most attributes of one element. No tool writes more than a dozen; comparing each with each other one takes time.
+const ATTRIBUTES: usize = 256;
+
 /// Parses the text.
 pub fn parse(text: &str) -> Result<Document<'_>, Problem> {
+    if let Some(at) = crowded(text) {
+        let message = format!("an element has more than {ATTRIBUTES} attributes");
+        return Err(Diagnostic::new(Code::NotPlcopen, message).label(Span::new(at, at + 1), ""));
+    }
     let options = ParsingOptions { nodes_limit: NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| {
         let place = error.pos();
@@ -34,6 +41,42 @@ pub fn parse(text: &str) -> Result<Document<'_>, Problem> {
         let at = (line_start + column).min(text.len());
         Diagnostic::new(Code::NotPlcopen, format!("the XML is broken: {error}")).label(Span::new(at, at), "")
     })
+}
+
+/// Where an element with too many attributes begins, if there is one. Of a broken text it may say anything.
+fn crowded(text: &str) -> Option<usize> {
+    let mut next = 0;
+    while let Some(found) = text[next..].find('<') {
+        let start = next + found;
+        let rest = &text[start..];
+        let after = |opening: &str, closing: &str| {
+            let rest = rest.strip_prefix(opening)?;
+            Some(start + opening.len() + rest.find(closing).map_or(rest.len(), |end| end + closing.len()))
+        };
+        let skipped = after("<!--", "-->")
+            .or_else(|| after("<![CDATA[", "]]>"))
+            .or_else(|| after("<?", "?>"))
+            .or_else(|| after("</", ">"));
+        next = match skipped {
+            Some(end) => end,
+            None => {
+                let (mut quote, mut attributes) = (None, 0);
+                let end = rest.char_indices().skip(1).find(|&(_, c)| {
+                    match (c, quote) {
+                        ('"' | '\'', None) => (quote, attributes) = (Some(c), attributes + 1),
+                        (c, Some(open)) if c == open => quote = None,
+                        _ => {}
+                    }
+                    attributes > ATTRIBUTES || (quote.is_none() && matches!(c, '>' | '<'))
+                });
+                if attributes > ATTRIBUTES {
+                    return Some(start);
+                }
+                start + end.map_or(rest.len(), |(at, c)| at + usize::from(c == '>'))
+            }
+        };
+    }
+    None
 }
 
 /// The root element and who wrote it.

@@ -20,3 +20,6 @@ pub mod shrink;
 pub mod small;
 pub mod st;
 pub mod systems;
+pub mod xml_damage;
+pub mod xml_edit;
+pub mod xsd;

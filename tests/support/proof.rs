@@ -1,10 +1,12 @@
 //! Models built, written, read back and proved, and runs of a proof's two sides on the simulators.
 
+use super::rng::Rng;
 use chartwright::ir::chart::Machine;
 use chartwright::ir::iec;
 use chartwright::pipeline::{self, Dialect, Options, Output};
 use chartwright::prove::joint::Stimulus;
 use chartwright::prove::parts::Part;
+use chartwright::prove::trace::Trace;
 use chartwright::prove::{Correspondence, Verdict, equivalence};
 use chartwright::read;
 use chartwright::simulate::chart::Chart;
@@ -109,5 +111,46 @@ impl<'a> Simulated<'a> {
     /// What is said of a part, for messages.
     pub fn describe(&self, part: Part) -> String {
         part.describe(self.machine)
+    }
+}
+
+/// The simulators see in each scan what the trace says.
+pub fn confirm(machine: &Machine, names: &Correspondence, project: &iec::Project, trace: &Trace, what: &str) {
+    assert!(!trace.differences().is_empty(), "{what}:\n{trace}");
+    let mut simulated = Simulated::new(machine, names, project);
+    let on_time = trace.scans.iter().skip(1).all(|s| s.stimulus.pause == trace.cycle);
+    for (n, scan) in trace.scans.iter().enumerate() {
+        simulated.scan(&scan.stimulus);
+        for (i, compared) in trace.compared.iter().enumerate() {
+            let chart = simulated.chart(compared.part).filter(|_| on_time);
+            assert!(chart.is_none_or(|v| v == scan.chart[i]), "{what}: {} in scan {n}\n{trace}", compared.what);
+            let program = simulated.program(compared.part);
+            assert!(program.is_none_or(|v| v == scan.program[i]), "{what}: {} in scan {n}\n{trace}", compared.name);
+        }
+    }
+}
+
+/// The simulators see no difference in random runs: in no state, command, output, alarm or variable.
+pub fn agree_by_chance(machine: &Machine, names: &Correspondence, project: &iec::Project, what: &str, seed: u64) {
+    let mut rng = Rng::new(seed);
+    let outputs = machine.outputs.ids().flat_map(|o| [Part::Output(o), Part::Command(o)]);
+    let acted = machine.safety.constraints.ids().map(Part::Acted);
+    let broken = (0..names.broken.len()).map(Part::Broken);
+    let variables = machine.variables.ids().map(Part::Variable).chain(machine.events.ids().map(Part::Event));
+    let compared: Vec<Part> =
+        machine.states.ids().map(Part::Flag).chain(outputs).chain(acted).chain(broken).chain(variables).collect();
+    for percent in [2, 10, 40] {
+        let mut simulated = Simulated::new(machine, names, project);
+        let mut inputs: Vec<bool> = machine.inputs.ids().map(|_| rng.chance(50)).collect();
+        for scan in 0..300 {
+            inputs.iter_mut().for_each(|value| *value ^= rng.chance(percent));
+            let pause = i64::from(machine.cycle) * 1000;
+            simulated.scan(&Stimulus { pause, inputs: inputs.clone() });
+            for &part in &compared {
+                // What a program keeps nowhere shows nowhere.
+                let Some((chart, program)) = simulated.chart(part).zip(simulated.program(part)) else { continue };
+                assert_eq!(chart, program, "{what}: {} in scan {scan}", simulated.describe(part));
+            }
+        }
     }
 }

@@ -21,6 +21,18 @@ pub fn width(kind: Kind) -> Option<usize> {
     }
 }
 
+/// A number, and whether a part of it has left the type of the expression.
+struct Computed {
+    value: Vector,
+    leaves: Lit,
+}
+
+impl Computed {
+    fn whole(value: Vector) -> Self {
+        Computed { value, leaves: Lit::FALSE }
+    }
+}
+
 impl ProgramStep<'_> {
     /// Where the bits of an integer variable stand among the latches, the lowest first.
     pub fn integer(&self, id: VarId) -> Option<Range<usize>> {
@@ -34,7 +46,12 @@ impl Run<'_, '_> {
     /// Assigns a number if `run`.
     pub fn move_number(&mut self, to: VarId, number: &Number, run: Lit) {
         let bits = self.step.integer(to).expect("what is no integer has been refused");
-        let value = vector::fit(&self.number(number), bits.len());
+        let kind = self.step.project.variables[to].kind;
+        let computed = self.number(number, Some(kind));
+        let leaves = self.aig.and(run, computed.leaves);
+        let step = self.step;
+        self.note(leaves, || format!("what {} becomes", step.project.variables[to].name));
+        let value = vector::fit(&computed.value, bits.len());
         for (latch, value) in bits.zip(value) {
             self.assign(latch, run, value);
         }
@@ -42,7 +59,12 @@ impl Run<'_, '_> {
 
     /// Whether a comparison holds.
     pub fn compare(&mut self, relation: Relation, left: &Number, right: &Number) -> Lit {
-        let (left, right) = (self.number(left), self.number(right));
+        let kind = self.kind(left).or_else(|| self.kind(right));
+        let (left, right) = (self.number(left, kind), self.number(right, kind));
+        let leaves = self.aig.or(left.leaves, right.leaves);
+        let (step, program) = (self.step, self.program);
+        self.note(leaves, || format!("a comparison in {}", step.project.programs[program].kind));
+        let (left, right) = (left.value, right.value);
         match relation {
             Relation::Equal => vector::equal(self.aig, &left, &right),
             Relation::Unequal => !vector::equal(self.aig, &left, &right),
@@ -53,39 +75,81 @@ impl Run<'_, '_> {
         }
     }
 
-    fn number(&mut self, number: &Number) -> Vector {
-        let mut value = match number {
-            Number::Const(n) => vector::constant(*n),
-            Number::Variable(id) => self.integer(*id),
+    /// The type of the first variable in a number.
+    fn kind(&self, number: &Number) -> Option<Kind> {
+        match number {
+            Number::Const(_) | Number::StepTime(_) | Number::Elapsed(_) => None,
+            Number::Variable(id) => Some(self.step.project.variables[*id].kind),
+            Number::Negative(n) => self.kind(n),
+            Number::Limit { value, .. } => self.kind(value),
+            Number::Sum(left, right) | Number::Difference(left, right) => self.kind(left).or_else(|| self.kind(right)),
+            Number::Select { no, yes, .. } => self.kind(no).or_else(|| self.kind(yes)),
+        }
+    }
+
+    /// Tells who asks where a number leaves its type.
+    fn note(&mut self, leaves: Lit, what: impl Fn() -> String) {
+        if leaves != Lit::FALSE {
+            let what = what();
+            if let Some(sums) = &mut self.sums {
+                sums.push((what, leaves));
+            }
+        }
+    }
+
+    /// A number of an expression of that type.
+    fn number(&mut self, number: &Number, kind: Option<Kind>) -> Computed {
+        let mut computed = match number {
+            Number::Const(n) => Computed::whole(vector::constant(*n)),
+            Number::Variable(id) => Computed::whole(self.integer(*id)),
             Number::Negative(n) => {
-                let n = self.number(n);
-                vector::subtract(self.aig, &vector::constant(0), &n)
+                let n = self.number(n, kind);
+                let value = vector::subtract(self.aig, &vector::constant(0), &n.value);
+                self.sum(value, n.leaves, kind)
             }
-            Number::Sum(left, right) => {
-                let (left, right) = (self.number(left), self.number(right));
-                vector::add(self.aig, &left, &right)
-            }
-            Number::Difference(left, right) => {
-                let (left, right) = (self.number(left), self.number(right));
-                vector::subtract(self.aig, &left, &right)
+            Number::Sum(left, right) | Number::Difference(left, right) => {
+                let (left, right) = (self.number(left, kind), self.number(right, kind));
+                let value = match number {
+                    Number::Sum(..) => vector::add(self.aig, &left.value, &right.value),
+                    _ => vector::subtract(self.aig, &left.value, &right.value),
+                };
+                let leaves = self.aig.or(left.leaves, right.leaves);
+                self.sum(value, leaves, kind)
             }
             Number::Limit { lowest, value, highest } => {
-                let value = self.number(value);
+                let Computed { value, leaves } = self.number(value, kind);
                 let (lowest, highest) = (vector::constant(*lowest), vector::constant(*highest));
                 let above = vector::less(self.aig, &highest, &value);
                 let value = vector::select(self.aig, above, &highest, &value);
                 let below = vector::less(self.aig, &value, &lowest);
-                vector::select(self.aig, below, &lowest, &value)
+                Computed { value: vector::select(self.aig, below, &lowest, &value), leaves }
             }
             Number::Select { by, no, yes } => {
                 let by = self.state[self.variable(*by)];
-                let (no, yes) = (self.number(no), self.number(yes));
-                vector::select(self.aig, by, &yes, &no)
+                let (no, yes) = (self.number(no, kind), self.number(yes, kind));
+                let leaves = self.aig.select(by, yes.leaves, no.leaves);
+                Computed { value: vector::select(self.aig, by, &yes.value, &no.value), leaves }
             }
             Number::StepTime(_) | Number::Elapsed(_) => unreachable!("times have been refused"),
         };
-        value.truncate(COMPUTED);
-        value
+        computed.value.truncate(COMPUTED);
+        computed
+    }
+
+    /// The result of a computation in that type.
+    fn sum(&mut self, value: Vector, leaves: Lit, kind: Option<Kind>) -> Computed {
+        let (Some(Kind::Int { bits, signed }), true) = (kind, self.sums.is_some()) else {
+            return Computed { value, leaves };
+        };
+        // All bits from there on are the sign, which there is only among signed integers.
+        let first = usize::from(bits) - usize::from(signed);
+        let sign = value.last().copied().unwrap_or(Lit::FALSE);
+        let expected = if signed { sign } else { Lit::FALSE };
+        let beyond = value.iter().copied().skip(first.min(value.len().saturating_sub(1)));
+        let wrong: Vec<Lit> = beyond.map(|bit| self.aig.xor(bit, expected)).collect();
+        let wrong = self.aig.any(&wrong);
+        let leaves = self.aig.or(leaves, wrong);
+        Computed { value, leaves }
     }
 
     /// The value of an integer variable.

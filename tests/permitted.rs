@@ -156,21 +156,22 @@ struct Counts {
     open: usize,
 }
 
-fn judge(output: &Output, edit: &Edit, counts: &mut Counts, wrong: &mut Vec<String>) {
-    let names = Correspondence::of(&output.machine, &output.project);
+/// `same` is what is read of the file as it was written.
+fn judge(output: &Output, same: &str, edit: &Edit, counts: &mut Counts, wrong: &mut Vec<String>) {
     let (project, diagnostics) = read::read(&edit.text);
     let Some(project) = project else {
         assert!(diagnostics.iter().any(|d| d.code.number().starts_with("E6")), "{}", edit.what);
         counts.refused += 1;
         return;
     };
-    if format!("{project:?}") == format!("{:?}", read_back(output)) {
+    if format!("{project:?}") == same {
         counts.nothing += 1;
         if !edit.nothing {
             wrong.push(format!("{} is passed over", edit.what));
         }
         return;
     }
+    let names = Correspondence::of(&output.machine, &output.project);
     match equivalence(&output.machine, &names, &project) {
         Verdict::Proved(_) => {
             counts.proved += 1;
@@ -193,13 +194,14 @@ fn what_the_schema_permits_is_interpreted_or_refused() {
     for dialect in [Dialect::Beremiz, Dialect::Codesys] {
         let (mut seen, mut counts, mut tried) = (BTreeSet::new(), Counts::default(), 0);
         for model in models::all() {
-            if !all && !["timer", "counter", "parallel"].contains(&model.name.as_str()) {
+            if !all && !["timer", "counter"].contains(&model.name.as_str()) {
                 continue;
             }
             let output = build(&model.source, dialect).expect("the models are right");
+            let same = format!("{:?}", read_back(&output));
             for edit in edits(&output.xml, &schema, &mut seen) {
                 tried += 1;
-                judge(&output, &edit, &mut counts, &mut wrong);
+                judge(&output, &same, &edit, &mut counts, &mut wrong);
             }
         }
         println!("{dialect:?}: {tried} tried at {} kinds of places: {counts:?}", seen.len());

@@ -243,8 +243,7 @@ impl<'p> ProgramStep<'p> {
         self.run(aig, before, inputs, clocks, after, None)
     }
 
-    /// One scan from a state before it: for each place where numbers are computed, what is made of them, and whether
-    /// one of them leaves its type there. Tools differ in what becomes of it then.
+    /// For each place where numbers are computed in a scan, what they make, and whether one leaves its type there.
     pub fn sums(
         &self,
         aig: &mut Aig,
@@ -274,8 +273,7 @@ impl<'p> ProgramStep<'p> {
             state[block + 3] = Lit::FALSE;
         }
         for (p, program) in self.project.programs.iter().enumerate() {
-            let sums = sums.as_deref_mut();
-            let mut run = Run { step: self, aig, program: p, state: &mut state, clocks, sums };
+            let mut run = Run { step: self, aig, program: p, state: &mut state, clocks, sums: sums.as_deref_mut() };
             match &program.body {
                 Body::Code(statements) => run.statements(statements, Lit::TRUE),
                 Body::Sfc(sfc) => run.sfc(sfc),

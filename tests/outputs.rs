@@ -76,7 +76,7 @@ fn reports_go_to_standard_output_and_messages_to_standard_error() {
     for (arguments, expected, says) in [
         ("check lamp.chart", 0, "warning[W502]"),
         ("build lamp.chart -o new.xml --names new.csv", 0, "new.csv written: "),
-        ("export lamp.chart --format aiger", 0, "warning[W502]"),
+        ("export lamp.chart --format aiger", 0, "lamp.aig written: "),
         ("verify missing.chart", 1, "error[E001]"),
         ("verify lamp.chart --without S9", 1, "E104"),
         ("test lamp.chart --filter nowhere", 1, "error: "),

@@ -94,6 +94,23 @@ fn runs_come_back_in_both_forms() {
             let (replayed, _, about_run) = replay(&source, &text, None, &options(true));
             assert!(replayed.is_none() && about_run.has_errors());
         }
+        if named.starts_with('b') {
+            // ABC writes rows alone, and memory that it has not left out; it does not say what they are about.
+            let row = |scan: &Vec<bool>| -> String {
+                scan[..subject.system.inputs.len()].iter().map(|&v| if v { '1' } else { '0' }).collect()
+            };
+            let rows: Vec<String> = trace.inputs.iter().map(row).collect();
+            let text = format!("0000\n{}# DONE\n", rows.join("\n"));
+            assert_eq!(found(&source, &text, Some(name)), Ok((question, scans)), "{text}");
+            assert_eq!(found(&source, &text, None), Err(Code::BadWitness));
+            for damaged in
+                [text.replace("# DONE", ""), text.replace("# DONE", "0# DONE"), format!("0000\n1{}", &text[5..])]
+            {
+                assert_eq!(found(&source, &damaged, Some(name)), Err(Code::BadWitness), "{damaged}");
+            }
+            let short = format!("0000\n{}# DONE\n", rows[..rows.len() - 1].join("\n"));
+            assert_eq!(found(&source, &short, Some(name)), Err(Code::NotShown), "{short}");
+        }
         // A scan less shows nothing.
         let mut short = trace.clone();
         short.inputs.pop();

@@ -401,7 +401,7 @@ pub struct Export {
 
 /// Replays a run that another model checker found.
 ///
-/// Reads FILE and a run of what `export` writes of it: a witness of AIGER or of BTOR2. The run is tried on the model and
+/// Reads FILE and a run of what `export` writes of it: a witness of AIGER or of BTOR2, or what ABC's `write_cex -a` writes. The run is tried on the model and
 /// played by the simulator, then shown as `verify` shows its own.
 #[derive(Args, Debug)]
 #[command(after_long_help = "\

@@ -46,8 +46,17 @@ pub fn run(args: &Args) -> Outcome {
         SystemForm::Btor2 => btor2::write(system).into_bytes(),
         SystemForm::Smv => smv::write(system).into_bytes(),
     };
-    if let Err(diagnostic) = Pending::prepare(&out, bytes).and_then(Pending::commit) {
+    let size = bytes.len();
+    let written = Pending::prepare(&out, bytes).and_then(Pending::commit);
+    let says = if written.is_ok() && !files::is_standard(&out) {
+        format!("{} written: {size} bytes\n", files::show(&out))
+    } else {
+        String::new()
+    };
+    if let Err(diagnostic) = written {
         report.files.push(FileReport::failed(files::show(&out), diagnostic));
     }
-    finish("export", Format::Human, &report, &super::Nothing {})
+    let outcome = finish("export", Format::Human, &report, &super::Nothing {});
+    say(&says);
+    outcome
 }

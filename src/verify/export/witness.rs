@@ -1,5 +1,5 @@
 //! The runs that model checkers find, in the form of AIGER (`1`, the bad, output or justice, the latches before the
-//! first scan, the inputs of each scan, `.`), whichever version of it they were given, or of BTOR2 (`sat`, the same, frames of states `#0` and inputs `@0`, `.`).
+//! first scan, the inputs of each scan, `.`), whichever version of it they were given, of ABC (`write_cex -a`: rows alone, `# DONE`), or of BTOR2 (`sat`, the same, frames of states `#0` and inputs `@0`, `.`).
 //!
 //! Files are written by others and may be cut off or damaged: all is checked, and an error says which line is wrong.
 
@@ -22,6 +22,10 @@ pub struct Witness {
 /// claim alone count from it.
 pub fn read(system: &System, text: &str, named: Option<usize>) -> Result<Witness, String> {
     let lines = text.lines().enumerate().map(|(i, l)| (i + 1, l.trim()));
+    let row = |l: &str| l.len() > 1 && l.bytes().all(|b| matches!(b, b'0' | b'1' | b'x'));
+    if lines.clone().next().is_some_and(|(_, l)| row(l)) {
+        return abc(system, named, &mut lines.into_iter());
+    }
     // Tools talk before and after.
     let mut lines = lines.filter(|(_, l)| !l.starts_with(['c', ';'])).skip_while(|&(_, l)| !is_head(l));
     let told = Told::new(system);
@@ -104,6 +108,31 @@ fn aiger<'t>(
         inputs.push(bits(line, exported.inputs.len(), "inputs")?);
     }
     Err(ENDS.to_owned())
+}
+
+/// Rows of the first version of AIGER: memory, which begins as it does, then the inputs of each scan. ABC does not say
+/// which output they are about, and leaves out memory that does not matter.
+fn abc<'t>(
+    system: &System,
+    named: Option<usize>,
+    lines: &mut dyn Iterator<Item = Line<'t>>,
+) -> Result<Witness, String> {
+    let claim = named.ok_or("it does not say what it is about: give `--property NAME`")?;
+    let plain = plain::of(system);
+    let initial = plain.system.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
+    let mut inputs = Vec::new();
+    for (number, line) in lines.skip(1) {
+        let row = line.split('#').next().unwrap_or_default().trim();
+        if row.len() != plain.system.inputs.len() || row.chars().any(|c| !matches!(c, '0' | '1' | 'x')) {
+            let count = plain.system.inputs.len();
+            return Err(wrong(number, format_args!("these are not the {count} inputs of the system")));
+        }
+        inputs.push(row.chars().map(|c| c == '1').collect());
+        if line.ends_with("# DONE") {
+            return Ok(Witness { claim, trace: plain.run(initial, inputs) });
+        }
+    }
+    Err("the run does not end with `# DONE`".to_owned())
 }
 
 fn btor2<'t>(

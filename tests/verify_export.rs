@@ -352,7 +352,8 @@ fn abc_says(abc: &str, file: &std::path::Path, seconds: u64) -> BTreeMap<String,
     let outputs: Vec<&str> = text.lines().filter_map(output_name).collect();
     let head: Vec<&str> = text.lines().next().expect("a head").split(' ').collect();
     assert_eq!(outputs.len().to_string(), head[4], "each output has a name");
-    let said = ask(abc, &["-c", &format!("read {}; pdr -a -T {seconds}", file.display())]).expect("it runs");
+    let said = ask(abc, &["-c", &format!("read {}; scleanup; lcorr; scorr; dc2; pdr -a -T {seconds}", file.display())])
+        .expect("it runs");
     let decided = said.contains("Undecided = 0.");
     assert!(said.contains(&format!("Properties:  All = {}.", outputs.len())), "{said}");
     let mut verdicts: BTreeMap<String, Option<bool>> =

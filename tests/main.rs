@@ -19,6 +19,7 @@ mod layout;
 mod licences;
 mod machines;
 mod machines_verified;
+mod meanings;
 mod model_mutants;
 mod mutants;
 mod names;

@@ -253,6 +253,13 @@ fn what_a_proof_cannot_encode_is_refused() {
     assert_eq!(says(&twice), "it is encoded");
     let condition = chart(&[], "").replace("<p>B</p>", "<p>T &gt; T#1s</p>");
     assert!(says(&project(&condition)).contains("a time"));
+    // No reader gives that: a number where a BOOL is written or read.
+    for written in ["P := A;", "Keep(S1 := P, R := A);"] {
+        let mut damaged = text(written);
+        let id = damaged.variables.iter().find(|(_, v)| v.name == "P").expect("declared").0;
+        damaged.variables[id].kind = Kind::Time;
+        assert!(says(&damaged).contains("a number as BOOL"), "{written}: {}", says(&damaged));
+    }
     let act = chart(&[], "").replace("I := I + 1;", "T := T#1s;");
     assert!(says(&project(&act)).contains("a time"));
 }

@@ -2,6 +2,7 @@
 
 use crate::support::proof::build;
 use chartwright::emit::Dialect::Beremiz;
+use chartwright::prove::parts::Part;
 use chartwright::prove::search::Effort;
 use chartwright::prove::{Correspondence, Verdict, equivalence_within};
 use chartwright::read;
@@ -35,7 +36,17 @@ fn said(changes: &[(&str, &str)]) -> String {
     let names = Correspondence::of(&output.machine, &output.project);
     match equivalence_within(&output.machine, &names, &program, Effort::FIRST) {
         Verdict::Proved(_) => "proved".to_owned(),
-        Verdict::Refuted(trace) => trace.to_string(),
+        Verdict::Refuted(trace) => {
+            let differences = trace.differences();
+            assert!(!differences.is_empty());
+            for (i, compared) in trace.compared.iter().enumerate() {
+                let last = trace.scans.last().expect("a scan");
+                let begins = matches!(compared.part, Part::Begins(_));
+                let differs = !begins && last.chart[i] != last.program[i];
+                assert_eq!(differences.contains(&i), differs, "{}", compared.what);
+            }
+            trace.to_string()
+        }
         Verdict::Unknown(doubt) => doubt.to_string(),
     }
 }

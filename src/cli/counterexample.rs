@@ -44,7 +44,7 @@ pub fn human(machine: &Machine, shows: &str, run: &Run) -> String {
         return text + "\nfrom the beginning\n";
     }
     let scans = run.frames.len();
-    let _ = write!(text, "\n{}", recording(run).table(machine, usize::MAX));
+    let _ = write!(text, "\n{}", recording(run).outline(machine));
     if let Some(begin) = run.repeats {
         let _ = match scans - begin {
             0 => writeln!(text, "Scan {scans} can repeat itself for ever."),

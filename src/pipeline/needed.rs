@@ -250,7 +250,7 @@ pub fn compare(
         Ok(Some((lost, trace))) => {
             let Asked { index, here, certain, .. } = asked[lost];
             let question = Question::Declared(here);
-            let run = trace.map(|trace| show(&subject, question, &trace, options));
+            let run = trace.map(|trace| show(&subject, question, &trace, options, stop));
             Without::Violated(Box::new(Loss { property: index, certain, question, run, machine: machine.clone() }))
         }
         Err((open, limit)) => Without::Unknown(asked[open].index, limit),
@@ -372,10 +372,13 @@ impl Search<'_, '_> {
     /// Which of those that are claimed as one a run shows.
     fn which(&self, group: &[usize], trace: &Trace) -> usize {
         let [first, _, ..] = group[..] else { return group[0] };
-        let replay = self.subject.system.replay(trace).expect("the engines replay what they return");
-        let last = replay.values.last().expect("it has a scan");
-        let shown = |&i: &usize| self.bad(i).is_some_and(|bad| lanes(last, bad) & 1 == 1);
-        group.iter().copied().find(shown).unwrap_or(first)
+        let mut shown = None;
+        let replayed = self.subject.system.replay(trace, &mut |values| {
+            let is = |&i: &usize| self.bad(i).is_some_and(|bad| lanes(values, bad) & 1 == 1);
+            shown = group.iter().copied().find(is);
+        });
+        replayed.expect("the engines replay what they return");
+        shown.unwrap_or(first)
     }
 
     /// Whether a run that shows it is what one hopes for.

@@ -64,5 +64,5 @@ fn judge(
         wrong(Code::NotShown, message, "the run may belong to another version of the model")
     })?;
     let question = subject.questions[found.claim];
-    Ok((question, show(&subject, question, &trace, options)))
+    Ok((question, show(&subject, question, &trace, options, &|| false)))
 }

@@ -10,6 +10,7 @@ use crate::simulate::frame::{Frame, Layout};
 use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
 use crate::verify::aig::{Lit, lanes};
+use crate::verify::limits::Stop;
 use crate::verify::machine::{Program, Subject};
 use crate::verify::system::{Giver, Trace};
 use std::collections::BTreeSet;
@@ -85,11 +86,11 @@ enum Kind {
 }
 
 /// A run of the system as people see it, played once more by the simulator.
-pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options) -> Run {
+pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options, stop: Stop<'_>) -> Run {
     // What people look at is worth the time to make it calm.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
-    let calm = options.demands(question).then(|| subject.system.calm(trace, property));
+    let calm = options.demands(question).then(|| subject.system.calm(trace, property, stop));
     let trace = calm.as_ref().unwrap_or(trace);
     let begin = subject.system.repeats(trace, property);
     let end = trace.inputs.len();
@@ -124,7 +125,6 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
 
 /// The transitions of a run.
 fn moments(subject: &Subject<'_>, trace: &Trace) -> Vec<Moment> {
-    let replay = subject.system.replay(trace).expect("the engines replay what they return");
     let (view, turn) = (subject.view.frame(), &subject.view.turn);
     let free: Vec<(InputId, Lit)> = subject
         .system
@@ -139,7 +139,7 @@ fn moments(subject: &Subject<'_>, trace: &Trace) -> Vec<Moment> {
         .collect();
     let mut waits = false;
     let mut moments = Vec::new();
-    for values in &replay.values {
+    let replayed = subject.system.replay(trace, &mut |values| {
         let is = |l: Lit| lanes(values, l) & 1 == 1;
         let kind = match turn.moves.iter().position(|(happens, _)| is(*happens)) {
             Some(step) => Kind::Happens(step),
@@ -153,7 +153,8 @@ fn moments(subject: &Subject<'_>, trace: &Trace) -> Vec<Moment> {
             Kind::Writes => false,
             Kind::Happens(_) => waits,
         };
-    }
+    });
+    replayed.expect("the engines replay what they return");
     if let Some(reset) = subject.machine.safety.reset {
         number_scans(subject.machine, reset, &mut moments);
     }

@@ -35,7 +35,9 @@ pub fn show(machine: &Machine, frames: &[Frame], outputs: &[OutputId]) -> Option
     let mut plc = Plc::new(&read);
     let mut before = plc.clone();
     for (frame, scan) in frames.iter().zip(1..) {
-        before = plc.clone();
+        if scan == frames.len() as u64 {
+            before = plc.clone();
+        }
         inputs.iter().for_each(|&(place, v)| plc.write(v, i64::from(frame[place])));
         plc.scan(i64::try_from(milliseconds(machine, scan)).ok()?.saturating_mul(1000));
     }

@@ -128,7 +128,7 @@ pub fn verify(
             Verdict::Holds => (if hopes { Status::Violated } else { Status::Holds }, None),
             Verdict::Violated(trace) => {
                 let status = if hopes { Status::Holds } else { Status::Violated };
-                (status, Some(show(&subject, question, &trace, options)))
+                (status, Some(show(&subject, question, &trace, options, stop)))
             }
         };
         let demand = options.demands(question);

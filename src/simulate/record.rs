@@ -8,6 +8,15 @@ use crate::ir::scenario::{Counted, Seen};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
+/// What the columns of a table hold.
+const HEAD: [&str; 5] = ["scan", "time", "inputs", "outputs", "states"];
+
+/// Lines at the beginning of a long run that are shown.
+const FIRST: usize = 40;
+
+/// Lines at the end of a long run that are shown.
+const LAST: usize = 60;
+
 /// What happened in a run, or in its last scans.
 #[derive(Clone, Debug)]
 pub struct Recording {
@@ -54,6 +63,30 @@ impl Recording {
     /// A line for each thing that happened between scans, and the scans in which something changed, at most the last `most` of them: what became TRUE with `+`, what
     /// became FALSE with `-`, integers with their new values, elementary states that were entered and left, alarms with `!`, corrections that are none with `~`.
     pub fn table(&self, machine: &Machine, most: usize) -> String {
+        let mut rows = self.rows(machine);
+        rows.drain(..rows.len().saturating_sub(most));
+        grid(HEAD, &rows)
+    }
+
+    /// The same of a run of any length: of many lines the first and the last ones, and between them which scans are left out.
+    pub fn outline(&self, machine: &Machine) -> String {
+        let mut rows = self.rows(machine);
+        if rows.len() > FIRST + LAST + 1 {
+            let end = rows.len() - LAST;
+            let gap = &rows[FIRST..end];
+            let lines = gap.len();
+            let mut scans = gap.iter().map(|row| &row[0]).filter(|scan| !scan.is_empty());
+            let text = match (scans.next(), scans.next_back()) {
+                (Some(from), Some(to)) => format!("{lines} lines are left out, of scans {from} to {to}"),
+                (Some(scan), None) => format!("{lines} lines are left out, of scan {scan} and around it"),
+                (None, _) => format!("{lines} lines between two scans are left out"),
+            };
+            rows.splice(FIRST..end, [[String::new(), "|".to_owned(), text, String::new(), String::new()]]);
+        }
+        grid(HEAD, &rows)
+    }
+
+    fn rows(&self, machine: &Machine) -> Vec<[String; 5]> {
         let names = Names::of(machine);
         let mut rows: Vec<[String; 5]> = Vec::new();
         let mut before: Option<&Frame> = None;
@@ -72,8 +105,7 @@ impl Recording {
             }
             before = Some(frame);
         }
-        rows.drain(..rows.len().saturating_sub(most));
-        grid(["scan", "time", "inputs", "outputs", "states"], &rows)
+        rows
     }
 
     /// All values of all scans, as CSV: `scan`, then each input, hidden bit, output, variable, state as

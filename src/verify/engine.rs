@@ -102,6 +102,9 @@ const ASIDE: usize = 8;
 /// Conflicts for one question about the first scans.
 const QUESTION: u64 = 20_000;
 
+/// Scans up to which a shorter run is looked for where one is known.
+const SHORTER: usize = 200;
+
 /// What part of the operations a first attempt to explore everything gets.
 const FIRST: u64 = 16;
 
@@ -440,9 +443,17 @@ impl Check<'_, '_, '_> {
     fn shorter(&mut self, bad: Lit, trace: Trace) -> Trace {
         let mut bounded = Bounded::new(self.system, &[bad], self.stop);
         let mut sure = true;
-        for _ in 1..trace.inputs.len() {
+        let mut left = AHEAD;
+        for scan in 1..trace.inputs.len() {
+            if scan > SHORTER || left == 0 || (self.stop)() {
+                return Trace { shortest: false, ..trace };
+            }
             bounded.scan();
-            match bounded.find(0, &mut { QUESTION }) {
+            let most = QUESTION.min(left);
+            let mut question = most;
+            let found = bounded.find(0, &mut question);
+            left -= most - question;
+            match found {
                 Ok(None) => {}
                 Ok(Some(shorter)) => return Trace { shortest: sure, ..shorter },
                 Err(_) => sure = false,

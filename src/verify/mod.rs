@@ -2,10 +2,12 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | [`system`] | latches, inputs, constraints, claims, and runs that can be replayed |
+//! | [`system`] | latches, inputs, constraints, claims, and runs |
+//! | [`replay`] | what a run does |
 //! | [`engine`] | which engine answers what |
 //! | [`symbolic`] | all reachable states, with [`bdd`], [`order`] and [`relation`] |
 //! | [`bounded`] | shortest runs, by a [`solver`] |
+//! | [`path`] | runs through known states |
 //! | [`wander`] | runs by chance |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
 //! | [`possible`] | proofs that something stays possible, by plans |
@@ -26,9 +28,11 @@ pub mod limits;
 pub mod liveness;
 pub mod machine;
 pub mod order;
+pub mod path;
 pub mod pdr;
 pub mod possible;
 pub mod relation;
+pub mod replay;
 pub mod solver;
 pub mod symbolic;
 pub mod system;

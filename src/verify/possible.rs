@@ -57,7 +57,7 @@ pub fn prove(
             Proof::Run(run) => {
                 let before = &run.inputs[..run.inputs.len() - 1];
                 let replay = Trace { inputs: before.to_vec(), ..run.clone() };
-                let mut state = covered.replay(&replay).ok_or(Limit::Replay)?.last;
+                let mut state = covered.replay(&replay, &mut |_| {}).map_err(|_| Limit::Replay)?;
                 state.truncate(system.latches.len());
                 states = vec![state];
             }

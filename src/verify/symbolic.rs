@@ -7,8 +7,8 @@ use super::aig::Lit;
 use super::bdd::Edge;
 use super::count::Count;
 use super::limits::{Limit, Limits, Stop};
+use super::path;
 use super::relation::Relation;
-use super::solver::{Outcome, Solver};
 use super::system::{Claim, Property, System, Trace};
 
 /// What the exact engine has found out.
@@ -189,45 +189,11 @@ impl Search<'_, '_> {
             path.push(self.one_of(before));
         }
         path.reverse();
-        // The diagrams know the states; which inputs lead from one to the next is a small question each.
-        let latches = self.relation.latches.clone();
-        let mut trace = Trace { initial: self.whole(&path[0]), inputs: Vec::new(), shortest: true };
-        for (i, state) in path.iter().enumerate() {
-            let mut solver = Solver::new(self.stop);
-            let aig = &self.system.aig;
-            for &c in &self.system.constraints {
-                solver.demand(aig, c);
-            }
-            for (&l, &value) in latches.iter().zip(state) {
-                solver.demand(aig, self.system.latches[l].leaf.xor(!value));
-            }
-            match path.get(i + 1) {
-                Some(after) => latches.iter().zip(after).for_each(|(&l, &value)| {
-                    solver.demand(aig, self.system.latches[l].next.xor(!value));
-                }),
-                None => match bad {
-                    Some(bad) => solver.demand(aig, bad),
-                    None => break,
-                },
-            }
-            match solver.solve(&[], &mut { u64::MAX }) {
-                Outcome::Sometimes => {}
-                Outcome::Never => unreachable!("one scan leads from each ring to the next"),
-                Outcome::GaveUp => return Err(Limit::Stopped),
-            }
-            trace.inputs.push(self.system.inputs.iter().map(|i| solver.value(i.leaf)).collect());
-        }
-        Ok(trace)
+        let trace = path::run(self.system, &self.relation.latches, &path, bad, self.stop)?;
+        Ok(Trace { shortest: true, ..trace })
     }
 
     fn one_of(&self, states: Edge) -> Vec<bool> {
         self.relation.state(&self.relation.bdd.pick(states))
-    }
-
-    /// A state of the latches that matter, with initial values for the others.
-    fn whole(&self, state: &[bool]) -> Vec<bool> {
-        let mut whole: Vec<bool> = self.system.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
-        self.relation.latches.iter().zip(state).for_each(|(&l, &value)| whole[l] = value);
-        whole
     }
 }

@@ -5,7 +5,7 @@
 //! next scan begins with the latches' next values. This is the meaning of AIGER 1.9 (Biere, Heljanko,
 //! Wieringa, 2011), so a system can be written for other tools and come to the same verdicts.
 
-use super::aig::{Aig, Lit, Node, lanes};
+use super::aig::{Aig, Lit, Node};
 
 /// A transition system over the nodes of one graph.
 ///
@@ -131,14 +131,6 @@ pub struct Trace {
     pub shortest: bool,
 }
 
-/// What a run does, scan by scan.
-pub struct Replay {
-    /// For each scan, the words of [`Aig::simulate`]; a value is in lane 0.
-    pub values: Vec<Vec<u64>>,
-    /// The latches when the last scan has ended.
-    pub last: Vec<bool>,
-}
-
 impl System {
     /// A new latch; its next value is to be set later, and FALSE until then.
     pub fn latch(&mut self, name: impl Into<String>, initial: Option<bool>) -> Lit {
@@ -167,59 +159,6 @@ impl System {
     /// The name of a leaf.
     pub fn name(&self, leaf: Lit) -> &str {
         self.aig.name(self.aig.number(leaf) as u32)
-    }
-
-    /// What a run does; nothing if it breaks a constraint or begins with a wrong value.
-    pub fn replay(&self, trace: &Trace) -> Option<Replay> {
-        let initial_fits =
-            self.latches.iter().zip(&trace.initial).all(|(l, &value)| l.initial.is_none_or(|i| i == value));
-        if !initial_fits || trace.initial.len() != self.latches.len() {
-            return None;
-        }
-        let mut replay = Replay { values: Vec::new(), last: trace.initial.clone() };
-        for inputs in &trace.inputs {
-            let values = self.evaluate(&replay.last, inputs);
-            if self.constraints.iter().any(|&c| lanes(&values, c) & 1 == 0) {
-                return None;
-            }
-            replay.last = self.latches.iter().map(|l| lanes(&values, l.next) & 1 == 1).collect();
-            replay.values.push(values);
-        }
-        Some(replay)
-    }
-
-    /// Whether the run is one and, for what never must be, its last scan shows it; for what comes eventually, it
-    /// ends in a loop that shows that it does not.
-    pub fn shows(&self, trace: &Trace, property: Property) -> bool {
-        self.replay(trace).is_some_and(|replay| match property {
-            Property::Never(bad) => replay.values.last().is_some_and(|values| lanes(values, bad) & 1 == 1),
-            Property::AlwaysPossible(_) | Property::NeverStuck => true,
-            Property::Eventually { after, then } => self.loop_in(&replay, after, then).is_some(),
-        })
-    }
-
-    /// In a run that shows that `then` need not come `after`, the scan, counted from 0, from which on it can
-    /// repeat itself for ever: all that matters is as it was when that scan began.
-    pub fn repeats(&self, trace: &Trace, property: Property) -> Option<usize> {
-        let Property::Eventually { after, then } = property else { return None };
-        self.loop_in(&self.replay(trace)?, after, then)
-    }
-
-    fn loop_in(&self, replay: &Replay, after: Lit, then: Lit) -> Option<usize> {
-        let scans = &replay.values;
-        let is = |scan: usize, l: Lit| lanes(&scans[scan], l) & 1 == 1;
-        // What was asked after the last answer, or ever, is still open at the end.
-        let open = (0..scans.len()).rev().find(|&scan| is(scan, then)).map_or(0, |answer| answer + 1);
-        if !(open..scans.len()).any(|scan| is(scan, after)) {
-            return None;
-        }
-        let (latches, _) = self.cone(&self.roots_of(after, then));
-        // The shortest loop that will do.
-        (open..scans.len()).rev().find(|&begin| {
-            let same = |&l: &usize| is(begin, self.latches[l].leaf) == replay.last[l];
-            let comes = |f: &Fairness| (begin..scans.len()).any(|scan| is(scan, f.holds));
-            self.fair.iter().all(comes) && latches.iter().all(same)
-        })
     }
 
     /// All that says whether a run is fair and `then` comes `after`.
@@ -264,45 +203,5 @@ impl System {
         let latches = (0..self.latches.len()).filter(|&i| in_cone[self.latches[i].leaf.node()]).collect();
         let inputs = (0..self.inputs.len()).filter(|&i| in_cone[self.inputs[i].leaf.node()]).collect();
         (latches, inputs)
-    }
-
-    /// The same run with as few changes of inputs as can be found by trying: each input keeps its value from
-    /// the scan before where the run still shows the same. A calm run is easier to read.
-    pub fn calm(&self, trace: &Trace, property: Property) -> Trace {
-        let mut calm = trace.clone();
-        if matches!(property, Property::AlwaysPossible(_) | Property::NeverStuck) {
-            return calm;
-        }
-        // Whole inputs first, then shorter and shorter stretches.
-        let mut stretch = calm.inputs.len();
-        while stretch > 0 {
-            for input in 0..self.inputs.len() {
-                for start in (0..calm.inputs.len()).step_by(stretch) {
-                    let value = start > 0 && calm.inputs[start - 1][input];
-                    let end = (start + stretch).min(calm.inputs.len());
-                    if (start..end).all(|scan| calm.inputs[scan][input] == value) {
-                        continue;
-                    }
-                    let mut tried = calm.clone();
-                    (start..end).for_each(|scan| tried.inputs[scan][input] = value);
-                    if self.changes(&tried, input) < self.changes(&calm, input) && self.shows(&tried, property) {
-                        calm = tried;
-                    }
-                }
-            }
-            stretch /= 2;
-        }
-        calm
-    }
-
-    /// How often an input changes in a run; TRUE in the first scan is a change.
-    fn changes(&self, trace: &Trace, input: usize) -> usize {
-        let mut before = false;
-        let mut count = 0;
-        for scan in &trace.inputs {
-            count += usize::from(scan[input] != before);
-            before = scan[input];
-        }
-        count
     }
 }

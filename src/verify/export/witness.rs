@@ -3,7 +3,7 @@
 //!
 //! Files are written by others and may be cut off or damaged: all is checked, and an error says which line is wrong.
 
-use super::super::aig::lanes;
+use super::super::aig::{Lit, lanes};
 use super::super::system::{Property, System, Trace};
 use super::{Told, plain};
 use std::fmt::Display;
@@ -209,17 +209,19 @@ pub fn judge(system: &System, witness: &Witness) -> Result<Trace, String> {
     }
     let up_to = |scans: usize| Trace { inputs: trace.inputs[..scans].to_vec(), ..trace.clone() };
     let scans = trace.inputs.len();
-    let Some(replay) = system.replay(trace) else {
-        // What a beginning does, a shorter one does.
-        let all: Vec<usize> = (1..=scans).collect();
-        let broken = all.partition_point(|&scans| system.replay(&up_to(scans)).is_some()) + 1;
+    let bad = property.never().unwrap_or(Lit::FALSE);
+    let (mut scan, mut shown) = (0, None);
+    let replayed = system.replay(trace, &mut |values| {
+        scan += 1;
+        shown = shown.or((lanes(values, bad) & 1 == 1).then_some(scan));
+    });
+    if let Err(broken) = replayed {
         return Err(format!("scan {broken} breaks an assumption or what the plant can do"));
-    };
+    }
     match property {
-        Property::Never(bad) => {
-            let shown = replay.values.iter().position(|values| lanes(values, bad) & 1 == 1);
+        Property::Never(_) => {
             if let Some(scan) = shown {
-                return Ok(up_to(scan + 1));
+                return Ok(up_to(scan));
             }
         }
         Property::Eventually { .. } if system.shows(trace, property) => return Ok(trace.clone()),

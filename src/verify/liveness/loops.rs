@@ -6,8 +6,8 @@
 use super::super::aig::Lit;
 use super::super::bdd::Edge;
 use super::super::limits::{Limit, Limits, Stop};
+use super::super::path;
 use super::super::relation::Relation;
-use super::super::solver::{Outcome, Solver};
 use super::super::system::{System, Trace};
 use super::monitor::{self, States};
 
@@ -23,7 +23,7 @@ pub fn find(
     let States { system: monitored, open, came } = monitor::states(system, after, then);
     let asked: Vec<Lit> = came.iter().copied().chain([open]).collect();
     let relation = Relation::new(&monitored, &asked, limits, stop)?;
-    let mut search = Search { system: &monitored, relation, keep: Vec::new(), stop };
+    let mut search = Search { system: &monitored, relation, keep: Vec::new() };
     let rings = search.reach(progress)?;
     let mut hull = search.latch(open)?;
     let mut reached = Edge::FALSE;
@@ -46,7 +46,7 @@ pub fn find(
     }
     search.keep.push(hull);
     let path = search.run(&rings, hull, &goals)?;
-    let trace = search.trace(&path)?;
+    let trace = path::run(&monitored, &search.relation.latches, &path, None, stop)?;
     let mut initial = trace.initial;
     initial.truncate(system.latches.len());
     Ok(Some(Trace { initial, ..trace }))
@@ -57,7 +57,6 @@ struct Search<'s, 'a> {
     relation: Relation<'a>,
     /// What must not be lost.
     keep: Vec<Edge>,
-    stop: Stop<'a>,
 }
 
 /// A state, over the latches that matter.
@@ -192,30 +191,5 @@ impl Search<'_, '_> {
 
     fn one_of(&self, states: Edge) -> State {
         self.relation.state(&self.relation.bdd.pick(states))
-    }
-
-    /// The run through these states: which inputs lead from one to the next is a small question each.
-    fn trace(&self, path: &[State]) -> Result<Trace, Limit> {
-        let (system, latches) = (self.system, &self.relation.latches);
-        let mut initial: Vec<bool> = system.latches.iter().map(|l| l.initial.unwrap_or(false)).collect();
-        latches.iter().zip(&path[0]).for_each(|(&l, &value)| initial[l] = value);
-        let mut inputs = Vec::new();
-        for pair in path.windows(2) {
-            let mut solver = Solver::new(self.stop);
-            for &c in &system.constraints {
-                solver.demand(&system.aig, c);
-            }
-            for (&l, (&now, &then)) in latches.iter().zip(pair[0].iter().zip(&pair[1])) {
-                solver.demand(&system.aig, system.latches[l].leaf.xor(!now));
-                solver.demand(&system.aig, system.latches[l].next.xor(!then));
-            }
-            match solver.solve(&[], &mut { u64::MAX }) {
-                Outcome::Sometimes => {}
-                Outcome::Never => unreachable!("one scan leads from each state to the next"),
-                Outcome::GaveUp => return Err(Limit::Stopped),
-            }
-            inputs.push(system.inputs.iter().map(|i| solver.value(i.leaf)).collect());
-        }
-        Ok(Trace { initial, inputs, shortest: false })
     }
 }

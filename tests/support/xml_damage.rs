@@ -118,7 +118,11 @@ const ELEMENTS: [&str; 22] = [
 pub fn mutant(xml: &str, rng: &mut Rng) -> Option<Mutant> {
     let document = Document::parse(xml).expect("the compiler writes XML");
     let nodes: Vec<Node<'_, '_>> = document.descendants().filter(|n| n.is_element() && !words(*n)).collect();
-    let node = *rng.pick(&nodes);
+    // Most elements say where something is drawn.
+    let mut node = *rng.pick(&nodes);
+    while matches!(node.tag_name().name(), "position" | "relPosition" | "scaling") && rng.below(10) > 0 {
+        node = *rng.pick(&nodes);
+    }
     let about = describe(node);
     let parent = node.parent().filter(Node::is_element);
     let alike = |wanted: &dyn Fn(&Node<'_, '_>) -> bool| {

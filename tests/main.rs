@@ -1,5 +1,6 @@
 //! The tests that use only the public interface, in one binary.
 
+mod beside;
 mod boxes;
 mod cli;
 mod constraints;
@@ -35,6 +36,7 @@ mod prove;
 mod random_models;
 mod reading;
 mod reference;
+mod refusals;
 mod refutations;
 mod regressions;
 mod replay;

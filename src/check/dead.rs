@@ -1,6 +1,6 @@
 //! Transitions that can never fire, as far as constant guards decide it.
 
-use crate::ir::chart::{Machine, Phase, TransitionId};
+use crate::ir::chart::{Machine, Phase, Transition, TransitionId};
 use crate::ir::expr::Expr;
 
 /// Why a transition can never fire.
@@ -8,22 +8,27 @@ use crate::ir::expr::Expr;
 pub enum Dead {
     /// Its guard is FALSE.
     NeverEnabled,
-    /// Whenever it is enabled, this one is tried before it and fires.
+    /// Whenever it is enabled, so is this one, and this one or another that keeps it from firing comes first.
     Beaten(TransitionId),
 }
 
 /// For each transition, why it can never fire, if it cannot.
 pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
-    // For each state, the transitions that always fire when it is active and they are tried, with their
-    // rank.
+    // For each state, the transitions out of it that are enabled whenever it is active, and the internal ones
+    // that can be enabled.
     let mut always = vec![Vec::new(); machine.states.len()];
+    let mut internals = vec![Vec::new(); machine.states.len()];
     let mut rank = vec![0; machine.transitions.len()];
     let (start, end) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
     for list in start.iter().chain(&end) {
         for (i, &id) in list.iter().enumerate() {
             rank[id.index()] = i;
-            if machine.transitions[id].guard == Expr::TRUE {
-                always[machine.transitions[id].source.index()].push(id);
+            let t = &machine.transitions[id];
+            if t.guard == Expr::TRUE {
+                always[t.source.index()].push(id);
+            }
+            if t.internal && t.guard != Expr::FALSE {
+                internals[t.source.index()].push(id);
             }
         }
     }
@@ -32,15 +37,24 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
         let scope = machine.transitions[id].scope;
         (machine.regions[scope].parent.map_or(0, |p| machine.states[p].depth + 1), rank[id.index()])
     };
-    let judge = |(id, t): (TransitionId, &crate::ir::chart::Transition)| {
+    let judge = |(id, t): (TransitionId, &Transition)| {
         if t.guard == Expr::FALSE {
             return Some(Dead::NeverEnabled);
         }
         let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
-        // One that leaves nothing beats those of its own scope only.
+        // Of one scope, one fires. If it leaves its source, nothing inside takes a step; but an internal one
+        // that is tried first can take the turn of the one that would leave.
+        let takes_turn = |o: TransitionId, other: &Transition| {
+            let mut inner = machine.ancestors(t.source).flat_map(|s| internals[s.index()].iter().copied());
+            inner.any(|i| {
+                let internal = &machine.transitions[i];
+                internal.scope == other.scope && internal.phase == other.phase && key(i) < key(o)
+            })
+        };
         let beats = |o: TransitionId| {
             let other = &machine.transitions[o];
-            other.phase == t.phase && key(o) < key(id) && (!other.internal || other.scope == t.scope)
+            let first = other.phase == t.phase && key(o) < key(id);
+            first && (other.scope == t.scope || !other.internal && !takes_turn(o, other))
         };
         rivals.find(|&o| beats(o)).map(Dead::Beaten)
     };

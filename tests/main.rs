@@ -57,4 +57,5 @@ mod verify_filter;
 mod verify_machines;
 mod verify_models;
 mod verify_needed;
+mod words;
 mod xml_mutants;

@@ -169,6 +169,7 @@ codes! {
     UnknownName "E104" "a name is not declared",
     AmbiguousName "E105" "a name could mean several states",
     WrongKind "E106" "a name means something that cannot stand here",
+    PlcWord "E107" "a name is a word that a PLC keeps to itself",
 
     NoTechnology "E201" "an output has no technology",
     SharedOutput "E202" "two actuators drive one output",

@@ -5,6 +5,7 @@ pub mod diagnostic;
 pub mod iec;
 pub mod limits;
 pub mod span;
+pub mod words;
 
 pub use arena::{Arena, Id};
 pub use diagnostic::{Code, Diagnostic, Diagnostics, Label, Severity};

@@ -5,7 +5,7 @@
 //! it alone. Where two paths read the same once dots have become underscores, where a name of the
 //! model is in the way, or where the path is too long, the name ends in a hash of the path.
 
-use crate::base::{iec, limits};
+use crate::base::{iec, limits, words};
 use crate::ir::chart::{Machine, RegionId, StateId, TransitionId};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -77,7 +77,7 @@ impl Names {
     pub fn fixed(&mut self, name: &str) -> String {
         let mut wanted = shorten(name);
         let mut attempt = 0;
-        while iec::is_keyword(&wanted) || !self.taken.insert(iec::fold(&wanted)) {
+        while words::clash(&wanted).is_some() || !self.taken.insert(iec::fold(&wanted)) {
             attempt += 1;
             wanted = hashed(name, &format!("{name}?{attempt}"));
         }

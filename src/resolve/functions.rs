@@ -107,7 +107,8 @@ impl Maker<'_, '_> {
         let mut go = |from: &Name, to: &Name, guard: Expr<Term>, effects: Vec<Effect>| {
             transitions.push(transition(from, to, Some(guard), effects, f.name.span));
         };
-        let mut watch = Vec::new();
+        // What a mistake sets, where there can be one: without a condition it always may begin, or end.
+        let (mut too_soon, mut too_early) = (Vec::new(), Vec::new());
         if let Some(abort) = &abort {
             go(&running, &off, abort.clone(), Vec::new());
         }
@@ -127,10 +128,12 @@ impl Maker<'_, '_> {
             let only_unasked = Expr::And(vec![unasked.clone(), negated(asked.clone())]);
             go(&off, &running, calm(Expr::And(vec![asked.clone(), may.clone()])), alarms);
             go(&running, &off, Expr::And(vec![only_unasked.clone(), must.clone()]), ended);
-            let wrong = calm(Expr::And(vec![asked.clone(), negated(may)]));
-            watch.push(internal(wrong, vec![set(name("ds"))], f.name.span));
-            let wrong = Expr::And(vec![only_unasked, negated(must)]);
-            watch.push(internal(wrong, vec![set(name("fs"))], f.name.span));
+            let watch = |wrong: Expr<Term>, alarm: &str| {
+                let never = wrong.map(&mut |term| Expr::Atom(term.clone())) == Expr::FALSE;
+                (!never).then(|| internal(wrong, vec![set(name(alarm))], f.name.span))
+            };
+            too_soon.extend(watch(calm(Expr::And(vec![asked.clone(), negated(may)])), "ds"));
+            too_early.extend(watch(Expr::And(vec![only_unasked, negated(must)]), "fs"));
         }
         let actions = || {
             let action = |value, condition: Expr<Term>| Action {
@@ -142,11 +145,10 @@ impl Maker<'_, '_> {
             actions.extend(abort.clone().map(|abort| action(false, abort)));
             actions
         };
-        let internals = if f.automatic.is_some() { Vec::new() } else { vec![watch[0].clone()] };
-        let rest = Body { actions: actions(), internals, span: f.name.span, ..Body::default() };
+        let rest = Body { actions: actions(), internals: too_soon.clone(), span: f.name.span, ..Body::default() };
         let mut inside = f.body.clone();
         inside.actions.splice(0..0, actions());
-        inside.internals.splice(0..0, watch);
+        inside.internals.splice(0..0, too_soon.into_iter().chain(too_early));
         let parallel = (!inside.regions.is_empty()).then_some(f.name.span);
         let states = vec![
             State { initial: Some(f.name.span), ..state(off, about(format!("{what}: does not run")), Some(rest)) },

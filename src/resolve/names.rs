@@ -1,7 +1,7 @@
 //! Names to what they mean: the tables of declared names and the search for states.
 
 use super::Resolver;
-use crate::base::{Code, Diagnostic, Span, iec, limits};
+use crate::base::{Code, Diagnostic, Span, iec, limits, words};
 use crate::ir::scenario::{BitId, CountId};
 use crate::ir::{ast, chart};
 use std::collections::HashMap;
@@ -64,10 +64,10 @@ impl Resolver {
     /// Reports a name that has not the form of an IEC name.
     pub fn legal(&mut self, name: &ast::Name) {
         let problem = match iec::illegal(&name.text) {
-            None | Some(iec::Illegal::Keyword) if name.text.chars().count() > limits::NAME_LENGTH => {
+            None if name.text.chars().count() > limits::NAME_LENGTH => {
                 format!("`{}` is longer than {} characters", name.text, limits::NAME_LENGTH)
             }
-            None | Some(iec::Illegal::Keyword) => return,
+            None => return,
             Some(iec::Illegal::FirstCharacter) => format!("`{}` does not begin with a letter", name.text),
             Some(iec::Illegal::Character(c)) => format!("`{}` holds `{c}`", name.text),
             Some(iec::Illegal::DoubleUnderscore) => format!("`{}` holds two underscores in a row", name.text),
@@ -83,13 +83,6 @@ impl Resolver {
     /// Enters an input, output, variable or event; its name goes into the PLC as it is.
     pub fn declare_symbol(&mut self, name: &ast::Name, symbol: Symbol) {
         self.legal(name);
-        if iec::is_keyword(&name.text) {
-            self.diagnostics.push(
-                Diagnostic::new(Code::IllegalName, format!("`{}` is a word of IEC 61131-3", name.text))
-                    .label(name.span, "a PLC keeps this word to itself")
-                    .help(format!("choose another name, such as `{}1`", name.text)),
-            );
-        }
         match self.names.symbols.entry(iec::fold(&name.text)) {
             Entry::Vacant(entry) => {
                 entry.insert((symbol, name.span));
@@ -100,6 +93,25 @@ impl Resolver {
                 self.duplicate(name, first);
             }
         }
+    }
+
+    /// Reports what goes into the PLC program as it is and cannot, with a name that can. `letter` tells apart what
+    /// it is, as addresses do.
+    pub fn refuse_word(&mut self, name: &str, span: Span, letter: char) {
+        let Some(what) = words::clash(name) else { return };
+        let free = |proposed: &String| {
+            let fits = proposed.len() <= limits::NAME_LENGTH && words::clash(proposed).is_none();
+            fits && !self.names.symbols.contains_key(&iec::fold(proposed))
+        };
+        let kept = &name[..name.len().min(limits::NAME_LENGTH - 5)];
+        let numbered = (2..1000).map(|n| format!("{kept}_{letter}{n}"));
+        let proposed = std::iter::once(format!("{kept}_{letter}")).chain(numbered).find(free);
+        let help = proposed.map_or_else(|| "choose another name".to_owned(), |p| format!("call it `{p}`, for example"));
+        self.diagnostics.push(
+            Diagnostic::new(Code::PlcWord, format!("`{name}` is {what}"))
+                .label(span, "this name goes into the PLC program as it is")
+                .help(help),
+        );
     }
 
     /// Enters an actuator.

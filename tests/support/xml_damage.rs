@@ -83,7 +83,7 @@ pub const ATTRIBUTES: &[(&str, &[&str])] = &[
 ];
 
 /// Attributes of which each value but these says something at each of these elements.
-const MEANING: [&str; 9] =
+pub const MEANING: [&str; 9] =
     ["constant", "edge", "initialStep", "negated", "nonpersistent", "nonretain", "persistent", "retain", "storage"];
 const MEANT: [&str; 9] =
     ["coil", "condition", "contact", "externalVars", "globalVars", "inVariable", "localVars", "outVariable", "step"];

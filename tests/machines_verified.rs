@@ -4,7 +4,7 @@
 //! Our systems have a state in front of the first scan, for each way in which the plant can begin.
 
 use crate::support::models::{self, Model};
-use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
+use chartwright::pipeline::verify::{Options, Program, Question, Status, Times, Verified, verify};
 use chartwright::verify::{Choice, Engine, Limits};
 
 /// The text of a model without its scenarios.
@@ -37,7 +37,7 @@ fn claiming(text: &str, properties: &str) -> String {
 }
 
 fn ask(text: &str, program: Program) -> Verified {
-    let options = Options { program, ..Options::default() };
+    let options = Options { program, times: Times::Free, ..Options::default() };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     verified.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
@@ -75,8 +75,13 @@ fn unsafe_by(text: &str, name: &str) {
 /// How soon the property is violated by the shortest run; nothing if no run of some scans does.
 fn first_violation(text: &str, name: &str) -> Option<usize> {
     let limits = Limits { scans: 40, ..Limits::default() };
-    let options =
-        Options { program: Program::Any, choice: Choice::Only(Engine::Bounded), limits, ..Options::default() };
+    let options = Options {
+        program: Program::Any,
+        times: Times::Free,
+        choice: Choice::Only(Engine::Bounded),
+        limits,
+        ..Options::default()
+    };
     let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
     let verified = verified.unwrap_or_else(|| panic!("{diagnostics:?}"));
     let place = verified.machine.properties.iter().position(|p| p.name == name).expect("it is declared");

@@ -52,6 +52,7 @@ mod texts;
 mod told;
 mod verify_engines;
 mod verify_eventually;
+mod verify_exactly;
 mod verify_export;
 mod verify_filter;
 mod verify_machines;

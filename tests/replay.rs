@@ -6,7 +6,7 @@ use crate::support::rng::Rng;
 use chartwright::base::Code;
 use chartwright::pipeline;
 use chartwright::pipeline::replay::replay;
-use chartwright::pipeline::verify::{Options, Program, Question};
+use chartwright::pipeline::verify::{Options, Program, Question, Times};
 use chartwright::verify::export::witness;
 use chartwright::verify::machine::Subject;
 use chartwright::verify::{Choice, Limits, Property, Trace, Verdict, check};
@@ -79,7 +79,7 @@ fn runs_come_back_in_both_forms() {
     for (source, name, question) in [(gate(), "P1", Question::Declared(0)), (press, "P3", Question::Declared(2))] {
         let (machine, _) = pipeline::check(&source);
         let machine = machine.expect("the model is right");
-        let subject = Subject::new(&machine, Program::Chart, false).expect("it can be verified");
+        let subject = Subject::new(&machine, Program::Chart, false, Times::Free).expect("it can be verified");
         let (trace, named) = refuted(&subject, name);
         let scans = trace.inputs.len();
         for text in [aiger(&trace, &named), btor2(&trace, &named)] {
@@ -129,7 +129,7 @@ fn what_is_damaged_is_refused_or_still_a_run() {
     let source = gate();
     let (machine, _) = pipeline::check(&source);
     let machine = machine.expect("the model is right");
-    let subject = Subject::new(&machine, Program::Chart, false).expect("it can be verified");
+    let subject = Subject::new(&machine, Program::Chart, false, Times::Free).expect("it can be verified");
     let (trace, named) = refuted(&subject, "P1");
     let mut rng = Rng::new(7);
     let mut refused = 0;
@@ -164,7 +164,7 @@ fn the_command_shows_a_run_or_says_what_is_wrong() {
     d.write("gate.chart", &source);
     let (machine, _) = pipeline::check(&source);
     let machine = machine.expect("the model is right");
-    let subject = Subject::new(&machine, Program::Chart, false).expect("it can be verified");
+    let subject = Subject::new(&machine, Program::Chart, false, Times::Free).expect("it can be verified");
     let (trace, named) = refuted(&subject, "P1");
     d.write("found", aiger(&trace, &named));
     let output = chartwright(d.path(), "replay gate.chart found --scenario again.chart --vcd run.vcd");

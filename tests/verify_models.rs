@@ -5,7 +5,7 @@ use crate::support::rng::Rng;
 use crate::support::{items, random};
 use chartwright::ir::chart::Mark;
 use chartwright::pipeline::findings::Findings;
-use chartwright::pipeline::verify::{Options, Program, Question, Status, Verified, verify};
+use chartwright::pipeline::verify::{Options, Program, Question, Status, Times, Verified, verify};
 use chartwright::pipeline::{self};
 use chartwright::simulate::frame::Layout;
 use chartwright::simulate::run::Program as Runs;
@@ -106,7 +106,7 @@ fn a_run_says_in_which_scan_a_blocking_filter_stopped_the_machine() {
 }
 
 /// The last of some scans in a row, ordered down and not there, that are possible with such a travel.
-fn latest(plant: &str, travels: &str) -> usize {
+fn latest(plant: &str, travels: &str, times: Times) -> usize {
     let states: Vec<String> = (1..=8).map(|i| format!("state S{i}")).collect();
     let steps: Vec<String> = (1..8).map(|i| format!("from S{i} to S{} when not Down", i + 1)).collect();
     let asked: Vec<String> = (1..=8).map(|i| format!("P{i}: never in(S{i}) and not Down")).collect();
@@ -119,7 +119,7 @@ fn latest(plant: &str, travels: &str) -> usize {
         steps.join(" "),
         asked.join(" ")
     );
-    let verified = ask(&text, &options(false));
+    let verified = ask(&text, &Options { times, ..options(false) });
     (0..8).filter(|&i| status(&verified, Question::Declared(i)) == Status::Violated).count()
 }
 
@@ -127,12 +127,16 @@ fn latest(plant: &str, travels: &str) -> usize {
 fn what_travels_at_most_so_long_is_there_in_time() {
     // In the scan that orders it, it is not there, and then for a scan less than it may take.
     for (scans, time) in [(1, "10ms"), (2, "20ms"), (3, "30ms"), (5, "50ms"), (6, "60ms")] {
-        assert_eq!(latest("plant", &format!("at most {time}")), scans, "{time}");
+        for times in [Times::Exact, Times::Free] {
+            assert_eq!(latest("plant", &format!("at most {time}"), times), scans, "{time}");
+        }
         // Outputs may be written late in the scan.
-        assert_eq!(latest("plant by steps", &format!("at most {time}")), scans + 1, "{time}");
+        assert_eq!(latest("plant by steps", &format!("at most {time}"), Times::Free), scans + 1, "{time}");
+        // What travels so long is there then, too.
+        assert_eq!(latest("plant", time, Times::Exact), scans, "{time}");
     }
-    assert_eq!(latest("plant", "20ms"), 8);
-    assert_eq!(latest("plant by steps", "20ms"), 8);
+    assert_eq!(latest("plant", "20ms", Times::Free), 8);
+    assert_eq!(latest("plant by steps", "20ms", Times::Free), 8);
 }
 
 #[test]
@@ -143,9 +147,7 @@ fn every_run_of_small_models_is_one_of_the_simulator() {
             let verified = ask(&model.source, &options(open));
             for answer in &verified.answers {
                 let Some(run) = &answer.run else { continue };
-                // Times pass as a run needs them, which a fixed cycle may not give.
-                let timed = model.source.contains("after ");
-                assert!(timed || run.replayed == Some(true), "{} {open}: {:?}", model.name, answer.question);
+                assert_eq!(run.replayed, Some(true), "{} {open}: {:?}", model.name, answer.question);
                 runs += 1;
             }
         }
@@ -163,10 +165,9 @@ fn every_run_of_random_models_is_one_of_the_simulator() {
             continue;
         }
         let verified = ask(&text, &Options { limits, ..options(true) });
-        let timed = text.contains("after ");
         for answer in &verified.answers {
             let Some(run) = &answer.run else { continue };
-            assert!(timed || run.replayed == Some(true), "{seed}: {:?}\n{text}", answer.question);
+            assert_eq!(run.replayed, Some(true), "{seed}: {:?}\n{text}", answer.question);
             runs += 1;
         }
         // What the simulator reaches by chance is reachable.

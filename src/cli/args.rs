@@ -5,7 +5,7 @@ mod verify;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-pub use verify::{Deny, Verify, VerifyEngine, VerifyProgram};
+pub use verify::{Deny, TimeModel, Verify, VerifyEngine, VerifyProgram};
 
 /// Compiles the statechart of a machine into a PLC program.
 ///

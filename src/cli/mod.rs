@@ -39,6 +39,8 @@ enum Outcome {
     Wrong,
     /// 2: the command line is wrong.
     Usage,
+    /// 3: nothing is known to be wrong, and something that was asked stays open.
+    Open,
 }
 
 impl Outcome {
@@ -47,6 +49,7 @@ impl Outcome {
         match (self, other) {
             (Outcome::Usage, _) | (_, Outcome::Usage) => Outcome::Usage,
             (Outcome::Wrong, _) | (_, Outcome::Wrong) => Outcome::Wrong,
+            (Outcome::Open, _) | (_, Outcome::Open) => Outcome::Open,
             (Outcome::Fine, Outcome::Fine) => Outcome::Fine,
         }
     }
@@ -58,6 +61,7 @@ impl From<Outcome> for ExitCode {
             Outcome::Fine => 0,
             Outcome::Wrong => 1,
             Outcome::Usage => 2,
+            Outcome::Open => 3,
         })
     }
 }

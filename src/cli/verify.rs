@@ -1,6 +1,6 @@
 //! A model to what is true of all its runs.
 
-use super::args::{Deny, Format, Verify as Args, VerifyEngine, VerifyProgram};
+use super::args::{Deny, Format, TimeModel, Verify as Args, VerifyEngine, VerifyProgram};
 use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
@@ -8,7 +8,7 @@ use super::{Outcome, finish, needed, read, say, tell, usage};
 use crate::base::LineIndex;
 use crate::ir::chart::Machine;
 use crate::pipeline::findings::{Findings, Place};
-use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Verified};
+use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Times, Verified};
 use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
 use serde::Serialize;
@@ -118,14 +118,18 @@ pub fn run(args: &Args) -> Outcome {
     } else if let (Format::Human, Some(refusal)) = (args.output.format, verified.refusal) {
         say(&format!("error: {refusal}\n"));
     }
-    let fine = verified.answers.iter().all(|a| match a.status {
-        Status::Holds => true,
-        Status::Violated => !a.demand,
-        // Who declares a property or denies something wants to know; what all machines are asked may stay open.
-        Status::Unknown(_) => !a.demand || matches!(a.question, Question::Assumable | Question::Moves),
-    });
-    let fine = fine && written && verified.refusal.is_none();
-    given.and(if fine { Outcome::Fine } else { Outcome::Wrong })
+    let demanded = || verified.answers.iter().filter(|a| a.demand);
+    let violated = demanded().any(|a| a.status == Status::Violated);
+    // Who declares a property or denies something wants to know; what all machines are asked may stay open.
+    let asked = |a: &&Answer| !matches!(a.question, Question::Assumable | Question::Moves);
+    let open = demanded().filter(asked).any(|a| matches!(a.status, Status::Unknown(_)));
+    given.and(if violated || !written || verified.refusal.is_some() {
+        Outcome::Wrong
+    } else if open {
+        Outcome::Open
+    } else {
+        Outcome::Fine
+    })
 }
 
 /// What the pipeline is told, with what runs in front of the filter if nothing is said about that.
@@ -133,6 +137,10 @@ pub fn options(args: &Args, otherwise: VerifyProgram) -> Options {
     Options {
         program: program(args.program.unwrap_or(otherwise)),
         open: args.open,
+        times: match args.time_model {
+            TimeModel::Exact => Times::Exact,
+            TimeModel::Free => Times::Free,
+        },
         without: args.without.clone(),
         deny: denied(&args.deny),
         choice: match args.engine {

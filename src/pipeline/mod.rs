@@ -1,5 +1,6 @@
 //! The one place that knows the order of the stages.
 
+mod exactly;
 pub mod findings;
 pub mod needed;
 pub mod replay;

@@ -15,6 +15,7 @@ use crate::verify::bounded::Bounded;
 use crate::verify::engine::{self, Coarser};
 use crate::verify::limits::Stop;
 use crate::verify::machine::Subject;
+use crate::verify::machine::clocks::Times;
 use crate::verify::symbolic;
 use crate::verify::system::{Claim, Property, System, Trace};
 use crate::verify::{Choice, Limit, Limits, Verdict};
@@ -166,7 +167,7 @@ fn coarser(any: &Subject<'_>, groups: &[Vec<usize>]) -> (System, Vec<Option<usiz
 
 /// Which properties a machine keeps, of those that are asked.
 pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Result<Vec<(usize, Kept)>, Refusal> {
-    let subject = Subject::new(machine, options.program, options.open)?;
+    let subject = Subject::new(machine, options.program, options.open, Times::Free)?;
     let any = behind_any(machine, options);
     let hopes = |i: usize| Question::Declared(i).hopes_for_a_run(machine);
     let asked: Vec<(usize, Property)> = declared(&subject).collect();
@@ -227,7 +228,7 @@ pub fn compare(
         let error = errors.next().expect("there is no machine because of an error").clone();
         return Some(Without::Refused(Box::new(error)));
     };
-    let subject = match Subject::new(&machine, options.program, options.open) {
+    let subject = match Subject::new(&machine, options.program, options.open, Times::Free) {
         Ok(subject) => subject,
         Err(refusal) => return Some(Without::Unverified(refusal)),
     };
@@ -250,7 +251,8 @@ pub fn compare(
         Ok(Some((lost, trace))) => {
             let Asked { index, here, certain, .. } = asked[lost];
             let question = Question::Declared(here);
-            let run = trace.map(|trace| show(&subject, question, &trace, options, stop));
+            let options = Options { times: Times::Free, ..options.clone() };
+            let run = trace.map(|trace| show(&subject, question, &trace, &options, stop));
             Without::Violated(Box::new(Loss { property: index, certain, question, run, machine: machine.clone() }))
         }
         Err((open, limit)) => Without::Unknown(asked[open].index, limit),

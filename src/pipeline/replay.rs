@@ -7,6 +7,7 @@ use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::ir::chart::Machine;
 use crate::verify::export::{claim_named, witness};
 use crate::verify::machine::Subject;
+use crate::verify::machine::clocks::Times;
 
 /// A run that shows what it says that it shows.
 #[derive(Clone, Debug)]
@@ -46,7 +47,7 @@ fn judge(
     options: &Options,
 ) -> Result<(Question, Run), Box<Diagnostic>> {
     let wrong = |code, message: String, help: &str| Box::new(Diagnostic::new(code, message).help(help));
-    let subject = Subject::new(machine, options.program, options.open)
+    let subject = Subject::new(machine, options.program, options.open, Times::Free)
         .map_err(|refusal| wrong(Code::BadWitness, refusal.to_string(), "no system of this model was exported"))?;
     let unreadable = |why: String| {
         let message = format!("the run cannot be read: {why}");
@@ -64,5 +65,7 @@ fn judge(
         wrong(Code::NotShown, message, "the run may belong to another version of the model")
     })?;
     let question = subject.questions[found.claim];
-    Ok((question, show(&subject, question, &trace, options, &|| false)))
+    // The system that was exported leaves times open.
+    let options = Options { times: Times::Free, ..options.clone() };
+    Ok((question, show(&subject, question, &trace, &options, &|| false)))
 }

@@ -11,6 +11,7 @@ use crate::simulate::run::Program as Runs;
 use crate::simulate::scenario::play;
 use crate::verify::aig::{Lit, lanes};
 use crate::verify::limits::Stop;
+use crate::verify::machine::clocks::Times;
 use crate::verify::machine::{Program, Subject};
 use crate::verify::system::{Giver, Trace};
 use std::collections::BTreeSet;
@@ -91,7 +92,8 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
     let calm = options.demands(question).then(|| subject.system.calm(trace, property, stop));
-    let trace = calm.as_ref().unwrap_or(trace);
+    // Scan by scan, as it is in the simulator.
+    let trace = &subject.stretched(calm.as_ref().unwrap_or(trace), property);
     let begin = subject.system.repeats(trace, property);
     let end = trace.inputs.len();
     // What repeats itself is played twice.
@@ -279,7 +281,7 @@ enum Gives {
     /// The scenario sets it.
     Scenario,
     /// The plant would, and the scenario forces it: when an actuator arrives, and when times have passed, is not in a
-    /// fixed cycle's power.
+    /// fixed cycle's power where times are open, or an actuator may be faster than it says.
     Forced,
     /// The plant, to whom the scenario tells what happens.
     Plant,
@@ -290,9 +292,12 @@ impl<'m> Player<'m> {
         let plant = &machine.plant;
         let tells = plant.by_steps && !options.open && options.program == Program::Chart;
         let given = if options.open { vec![true; machine.inputs.len()] } else { plant.gives(machine.inputs.len()) };
-        let mut forced = vec![!tells; machine.inputs.len()];
-        plant.travels.iter().flat_map(|t| &t.sensors).for_each(|s| forced[s.input.index()] = true);
-        for rule in plant.rules.iter().filter(|r| r.delay > 0) {
+        // With exact times the simulator's plant does the same by itself, except where less is known of it.
+        let exact = options.times == Times::Exact && options.program == Program::Chart;
+        let mut forced = vec![!tells && !exact; machine.inputs.len()];
+        let unknown = plant.travels.iter().filter(|t| !exact || t.at_most);
+        unknown.flat_map(|t| &t.sensors).for_each(|s| forced[s.input.index()] = true);
+        for rule in plant.rules.iter().filter(|r| r.delay > 0 && !exact) {
             if let Given::Input(input) = rule.target {
                 forced[input.index()] = true;
             }

@@ -1,7 +1,6 @@
 //! A machine to answers about all its runs, each with the run that shows it.
 
-use super::run::show;
-use super::without;
+use super::{exactly, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
 use crate::ir::expr::{CHART, Expr};
@@ -10,6 +9,7 @@ use crate::verify::machine::Subject;
 use crate::verify::{Limit, Limits, Verdict};
 
 pub use super::run::{Between, Run};
+pub use crate::verify::machine::clocks::Times;
 pub use crate::verify::machine::questions::{Kind, Question};
 pub use crate::verify::machine::{Program, Refusal};
 
@@ -20,6 +20,8 @@ pub struct Options {
     pub program: Program,
     /// Whether the plant is left out, and all inputs are free.
     pub open: bool,
+    /// How times are taken.
+    pub times: Times,
     /// The names of constraints without which the model is verified, as if they had not been written.
     pub without: Vec<String>,
     /// What makes the machine wrong if it is found, and is not left to people to judge.
@@ -35,6 +37,7 @@ impl Default for Options {
         Options {
             program: Program::Chart,
             open: false,
+            times: Times::Exact,
             without: Vec::new(),
             deny: Vec::new(),
             choice: Choice::Automatic,
@@ -106,7 +109,7 @@ pub fn verify(
     let Some(machine) = machine else { return (None, diagnostics) };
     let mut verified =
         Verified { machine, refusal: None, answers: Vec::new(), latches: 0, inputs: 0, situations: None, scans: None };
-    let subject = match Subject::new(&verified.machine, options.program, options.open) {
+    let subject = match Subject::new(&verified.machine, options.program, options.open, Times::Free) {
         Ok(subject) => subject,
         Err(refusal) => {
             verified.refusal = Some(refusal);
@@ -120,15 +123,29 @@ pub fn verify(
         Coarser { system: &any.system, claims }
     });
     let report = engine::check(&subject.system, coarser.as_ref(), &options.limits, options.choice, stop, progress);
+    let exact = exactly::judge(&subject, &report.findings, options, stop, progress);
+    let found = exact.unwrap_or_else(|| {
+        let questions = subject.questions.iter().zip(report.findings);
+        questions.map(|(&question, finding)| exactly::shown(&subject, question, finding, options, stop)).collect()
+    });
     let mut answers = Vec::new();
-    for (&question, finding) in subject.questions.iter().zip(report.findings) {
+    for (&question, (finding, run)) in subject.questions.iter().zip(found) {
         let hopes = question.hopes_for_a_run(subject.machine);
-        let (status, run) = match finding.verdict {
-            Verdict::Unknown(limit) => (Status::Unknown(limit), None),
-            Verdict::Holds => (if hopes { Status::Violated } else { Status::Holds }, None),
-            Verdict::Violated(trace) => {
-                let status = if hopes { Status::Holds } else { Status::Violated };
-                (status, Some(show(&subject, question, &trace, options, stop)))
+        let status = match finding.verdict {
+            Verdict::Unknown(limit) => Status::Unknown(limit),
+            Verdict::Holds => {
+                if hopes {
+                    Status::Violated
+                } else {
+                    Status::Holds
+                }
+            }
+            Verdict::Violated(_) => {
+                if hopes {
+                    Status::Holds
+                } else {
+                    Status::Violated
+                }
             }
         };
         let demand = options.demands(question);
@@ -145,14 +162,14 @@ pub fn verify(
 /// The machine behind any program, if that is not what is asked for anyway: what holds there holds behind the charts.
 pub(super) fn behind_any<'m>(machine: &'m Machine, options: &Options) -> Option<Subject<'m>> {
     match (options.program, options.choice) {
-        (Program::Chart, Choice::Automatic) => Subject::new(machine, Program::Any, options.open).ok(),
+        (Program::Chart, Choice::Automatic) => Subject::new(machine, Program::Any, options.open, Times::Free).ok(),
         (Program::Chart, Choice::Only(_)) | (Program::Any, _) => None,
     }
 }
 
-/// The system of a machine, for other tools.
+/// The system of a machine with its times left open, for other tools.
 pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject<'_>, Refusal> {
-    Subject::new(machine, program, open)
+    Subject::new(machine, program, open, Times::Free)
 }
 
 /// A condition in the words of the language, with the names of what it reads.

@@ -11,6 +11,7 @@
 //! | [`wander`] | runs by chance |
 //! | [`pdr`], [`certificate`] | proofs by an invariant, which is checked again |
 //! | [`possible`] | proofs that something stays possible, by plans |
+//! | [`follow`] | runs of a system along those of one that does more |
 //! | [`export`] | for other tools, and their runs back |
 //! | [`liveness`] | what comes sooner or later in fair runs |
 //! | [`machine`] | a machine in its plant as such a system, and what to ask of it |
@@ -24,6 +25,7 @@ pub mod certificate;
 pub mod count;
 pub mod engine;
 pub mod export;
+pub mod follow;
 pub mod limits;
 pub mod liveness;
 pub mod machine;

@@ -83,6 +83,8 @@ pub enum Giver {
     Controller,
     /// The course of time.
     Clock,
+    /// How long nothing happens but that time passes, bit by bit, the lowest first.
+    Wait,
 }
 
 /// Something that is said of all runs.
@@ -114,6 +116,15 @@ pub enum Property {
 }
 
 impl Property {
+    /// All that it speaks of.
+    pub fn literals(self) -> Vec<Lit> {
+        match self {
+            Property::Never(l) | Property::AlwaysPossible(l) => vec![l],
+            Property::NeverStuck => Vec::new(),
+            Property::Eventually { after, then } => vec![after, then],
+        }
+    }
+
     /// What never may be, if it says so.
     pub fn never(self) -> Option<Lit> {
         if let Property::Never(bad) = self { Some(bad) } else { None }

@@ -68,6 +68,8 @@ struct Walker<'s> {
     /// Nodes to be evaluated, in order.
     cone: Vec<usize>,
     values: Vec<u64>,
+    /// The lanes in which a time may be longer than what has been chosen of it.
+    waits: u64,
     chance: u64,
 }
 
@@ -96,6 +98,7 @@ impl<'s> Walker<'s> {
             seen: HashMap::new(),
             cone,
             values,
+            waits: u64::MAX,
             chance: 0x9e37_79b9_7f4a_7c15,
         };
         // Some beginnings, where there is more than one.
@@ -204,6 +207,7 @@ impl<'s> Walker<'s> {
         let before = now.to_vec();
         let mut fits = 0;
         for _ in 0..ATTEMPTS {
+            self.waits = u64::MAX;
             for (i, word) in now.iter_mut().enumerate() {
                 *word = (*word & fits) | (self.input(i, before[i], free[i]) & !fits);
             }
@@ -223,6 +227,12 @@ impl<'s> Walker<'s> {
         match self.system.inputs[input].giver {
             // What the machine and its clocks do is not up to anybody.
             Giver::Plant | Giver::Clock => any,
+            // Long times and short ones alike.
+            Giver::Wait => {
+                let word = any & self.waits;
+                self.waits &= self.word() | self.word() | self.word();
+                word
+            }
             Giver::Operator | Giver::Controller => {
                 let quarter = any & self.word();
                 let sixteenth = quarter & self.word() & self.word();

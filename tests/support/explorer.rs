@@ -30,6 +30,8 @@ pub struct Explorer<'m> {
     free: Vec<InputId>,
     /// Whether there is no plant.
     open: bool,
+    /// Whether times are those of the declared cycle.
+    exact: bool,
     questions: &'m [Question],
 }
 
@@ -78,14 +80,19 @@ impl<'m> Explorer<'m> {
         let gives = machine.plant.gives(machine.inputs.len());
         let free = |i: &InputId| (open || !gives[i.index()]) && timers.iter().all(|t| t.input != *i);
         let free = machine.inputs.ids().filter(free).collect();
-        Explorer { machine, layout: Layout::of(machine), timers: timers.to_vec(), free, open, questions }
+        Explorer { machine, layout: Layout::of(machine), timers: timers.to_vec(), free, open, exact: false, questions }
+    }
+
+    /// The same with times as they are at the declared cycle.
+    pub fn exactly(self) -> Explorer<'m> {
+        Explorer { exact: true, ..self }
     }
 
     /// All runs, and what is asked of them; nothing if there are too many states.
     pub fn explore(&self) -> Option<Graph> {
         let machine = self.machine;
-        let plant = Plant { machine, layout: self.layout, open: self.open };
-        let mut memories = Memories::new(machine, self.layout, &self.timers);
+        let plant = Plant { machine, layout: self.layout, open: self.open, exact: self.exact };
+        let mut memories = Memories::new(machine, self.layout, &self.timers, self.exact);
         let mut graph = Graph { asks: self.asks(), ..Graph::default() };
         let mut known: HashMap<State, usize> = HashMap::new();
         let mut states: Vec<State> = Vec::new();
@@ -117,7 +124,7 @@ impl<'m> Explorer<'m> {
                     out.push(Edge { to, facts, fair: fair | step.fair << self.fair_at() });
                 }
                 for reading in plant.readings(&state.plant, surroundings) {
-                    let times = memory.times(self.layout, &self.timers);
+                    let times = memory.times(self.layout, &self.timers, self.exact.then_some(machine.cycle));
                     for time in times {
                         let mut inputs = reading.inputs.clone();
                         self.timers.iter().zip(&time.passed).for_each(|(t, &passed)| inputs[t.input.index()] = passed);

@@ -6,8 +6,7 @@ use std::path::PathBuf;
 
 /// Says what is true of all runs of a machine.
 ///
-/// Reads FILE and asks, for all inputs that its assumptions allow and everything that its plant can do
-/// at any speed: the properties that it declares; whether its outputs ever violate a constraint;
+/// Reads FILE and asks, for all inputs that its assumptions allow and everything that its plant can do: the properties that it declares; whether its outputs ever violate a constraint;
 /// whether some transition can always fire sooner or later. These are demands. It also finds, for people
 /// to judge, which states are never active, which transitions never fire, which ones are enabled
 /// together so that only their order decides, which integers stop at a bound, and where the filter has
@@ -27,9 +26,9 @@ Examples:
 
 Exit codes:
   0  all demands hold; with --needed, it is known of each constraint whether it is needed
-  1  a demand is violated; a property, a constraint or what is denied stays open; the model has errors, or
-     a file cannot be read or written
-  2  the command line is wrong")]
+  1  a demand is violated; with --needed, something stays open; the model has errors, or a file cannot be read or written
+  2  the command line is wrong
+  3  no demand is violated, and a property, a constraint or what is denied stays open")]
 pub struct Verify {
     /// The model.
     pub file: PathBuf,
@@ -57,6 +56,10 @@ pub struct Verify {
     /// Leaves the plant out: all inputs are free, under the assumptions only.
     #[arg(long)]
     pub open: bool,
+
+    /// How times are taken: those of guards, of actuators that travel and of rules of the plant.
+    #[arg(long, value_enum, default_value_t = TimeModel::Exact)]
+    pub time_model: TimeModel,
 
     /// Which engine answers.
     #[arg(long, value_enum, default_value_t = VerifyEngine::Auto)]
@@ -114,6 +117,15 @@ pub enum Deny {
     Needless,
     /// All of these.
     All,
+}
+
+/// How times are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TimeModel {
+    /// In scans of the declared cycle, as they are simulated.
+    Exact,
+    /// They pass when they will: covers every cycle, however late its scans are.
+    Free,
 }
 
 /// An engine that verifies.

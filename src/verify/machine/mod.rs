@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | this one | program and plant together |
 //! | [`program`] | chart, or any program, and filter, scan by scan from power-up |
+//! | [`clocks`] | what counts scans |
 //! | [`plant`] | what the plant gives it |
 //! | [`steps`] | a plant that moves between scans |
 //! | [`questions`] | what is claimed |
@@ -11,9 +12,10 @@
 //!
 //! One scan of the program is that of [`chart_step`](crate::prove::chart_step), the same that every build is proved
 //! equal to. What is left open, and so is verified for all ways in which it can go: the inputs that no
-//! plant gives, under the declared assumptions; when a time that a guard waits for has passed, except that of one
-//! state a shorter one passes no later than a longer one; and what [`plant`] says.
+//! plant gives, under the declared assumptions; and what [`plant`] says. Times are counted in scans, or are left open, too: then a time
+//! that a guard waits for passes in any scan, except that of one state a shorter one passes no later than a longer one.
 
+pub mod clocks;
 pub mod plant;
 pub mod program;
 pub mod questions;
@@ -22,12 +24,13 @@ pub mod steps;
 
 use super::aig::Lit;
 use super::sat::Sat;
-use super::system::System;
+use super::system::{Property, System, Trace};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::Machine;
 use crate::prove::chart_filter;
 use crate::prove::chart_step::{ChartScan, ChartState};
 use crate::prove::parts::WIDTH;
+use clocks::{Clocks, Times};
 use program::Running;
 use questions::Question;
 use std::fmt;
@@ -67,8 +70,14 @@ pub struct Subject<'m> {
     pub questions: Vec<Question>,
     /// What there is to see of it.
     pub view: View,
-    /// Whether guards wait for times, so that not every run goes by the clock.
+    /// How its times are counted.
+    pub clocks: Clocks,
+    /// Whether anything waits for a time, so that it matters how times are taken.
     pub timed: bool,
+    /// The outputs that stand at the terminals, with those that a scan decides.
+    outputs: Vec<(Lit, Lit)>,
+    /// The latches that keep what waits to be written.
+    waits: std::ops::Range<usize>,
 }
 
 /// The values at the end of a scan.
@@ -109,15 +118,17 @@ impl View {
 impl<'m> Subject<'m> {
     /// The machine in its plant, if it has one, as a system. With `open` the plant gives nothing, and all inputs are
     /// free.
-    pub fn new(machine: &'m Machine, program: Program, open: bool) -> Result<Subject<'m>, Refusal> {
+    pub fn new(machine: &'m Machine, program: Program, open: bool, times: Times) -> Result<Subject<'m>, Refusal> {
         let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
         let running = Running { machine, program, rounds };
         let mut system = System::default();
+        let longest = clocks::longest(machine, &running.timers(), !open);
+        let mut clocks = Clocks::new(&mut system, times, longest);
         let started = system.latch("started", Some(false));
         let first_latch = system.latches.len();
         let before = running.remembered(&mut system);
         let memory = first_latch..system.latches.len();
-        let given = plant::give(&mut system, machine, started, &before, open);
+        let given = plant::give(&mut system, &mut clocks, machine, started, &before, open);
         let plant::Terminals { inputs, bits, past_bits, counts, turn } = given;
         // In the first scan inputs and hidden bits have no other past than themselves.
         let mut past = |was: &[Lit], is: &[Lit]| -> Vec<Lit> {
@@ -125,12 +136,18 @@ impl<'m> Subject<'m> {
         };
         let (past_inputs, past_bits) = (past(&before.inputs, &inputs), past(&past_bits, &bits));
         let owed = system.fair.len();
-        let scan = running.scan(&mut system, started, &before, &inputs);
+        let scan = running.scan(&mut system, &mut clocks, started, &before, &inputs, turn.reading);
         for fairness in &mut system.fair[owed..] {
             // Time passes for a program when it looks.
             fairness.holds = system.aig.and(fairness.holds, turn.reading);
         }
-        let scan = turn.scan(&mut system, memory, &before, scan);
+        let outputs = before.outputs.iter().copied().zip(scan.after.outputs.iter().copied()).collect();
+        let scan = turn.scan(&mut system, memory.clone(), &before, scan);
+        if clocks.exact() {
+            // The clocks tell that.
+            let told = |leaf: Lit| before.fresh.contains(&leaf) || before.past.contains(&leaf);
+            system.latches[memory].iter_mut().filter(|l| told(l.leaf)).for_each(|l| l.next = Lit::FALSE);
+        }
         let begun = system.aig.or(started, turn.reading);
         system.latches[0].next = begun;
         system.constraints.extend(scan.broken.iter().map(|&b| !b));
@@ -138,8 +155,14 @@ impl<'m> Subject<'m> {
         let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
         let past_outputs = before.outputs;
         system.notable.clone_from(&scan.after.variables);
+        if clocks.exact() {
+            // Not all claims are asked, but it is from their states that a walk goes on.
+            system.notable.extend(&scan.after.active);
+        }
+        let timed = running.is_timed() || !open && clocks::waits(machine);
+        let waits = turn.latches();
         let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, scan, turn, begun };
-        let mut subject = Subject { machine, system, questions: Vec::new(), view, timed: running.is_timed() };
+        let mut subject = Subject { machine, system, questions: Vec::new(), view, clocks, timed, outputs, waits };
         subject.ask_about_outputs(program);
         if program == Program::Chart {
             subject.ask_about_chart();
@@ -147,7 +170,41 @@ impl<'m> Subject<'m> {
         Ok(subject)
     }
 
-    fn ask(&mut self, question: Question, name: String, property: super::Property) {
+    /// Keeps those claims that are `wanted`, by index, and lets time pass in leaps where that makes no difference to them. It is done
+    /// once, when all is asked.
+    pub fn wanting(mut self, wanted: &[usize]) -> Subject<'m> {
+        let claims = wanted.iter().map(|&i| self.system.claims[i].clone()).collect();
+        self.questions = wanted.iter().map(|&i| self.questions[i]).collect();
+        self.system.claims = claims;
+        self.clocks.close(&mut self.system, self.view.turn.reading, &self.outputs, self.waits.clone());
+        self
+    }
+
+    /// The run scan by scan, in which no time passes in leaps. What it leads to and shows of a property is the same.
+    pub fn stretched(&self, trace: &Trace, property: Property) -> Trace {
+        let place = |leaf: Lit| self.system.inputs.iter().position(|i| i.leaf == leaf);
+        let mut inputs = Vec::new();
+        let rest = if self.view.turn.reading == Lit::TRUE { 1 } else { 2 };
+        let mut leaps = false;
+        for (number, values) in trace.inputs.iter().enumerate() {
+            let more = self.clocks.leapt(&|leaf| place(leaf).is_some_and(|i| values[i]), &self.system);
+            let mut scan = values.clone();
+            self.system
+                .inputs
+                .iter()
+                .zip(&mut scan)
+                .filter(|(i, _)| self.clocks.is_of_leaps(i))
+                .for_each(|(_, v)| *v = false);
+            // What never must be shows at once.
+            let last = number + 1 == trace.inputs.len() && property.never().is_some();
+            let more = if last { 0 } else { more };
+            leaps |= more > 0;
+            inputs.extend(std::iter::repeat_n(scan, 1 + rest * more));
+        }
+        Trace { initial: trace.initial.clone(), inputs, shortest: trace.shortest && !leaps }
+    }
+
+    fn ask(&mut self, question: Question, name: String, property: Property) {
         self.system.claim(name, property);
         self.questions.push(question);
     }

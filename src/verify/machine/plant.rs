@@ -1,6 +1,8 @@
 //! A plant to what it gives the program: the closed loop.
 //!
-//! It is that of [`scenario`](crate::ir::scenario), with times left open. An actuator that is on its way may make
+//! It is that of [`scenario`](crate::ir::scenario), with [times](super::clocks::Times) that are exact or left open. If they are exact,
+//! an actuator that travels takes as long as it says, or at most so long where that is all that is said, and a rule with a delay fires when
+//! its time is over. If they are open, an actuator that is on its way may make
 //! progress in a scan or not; it is at least one scan between its positions if it travels for more than
 //! one, and otherwise as long as it likes, or is allowed to. A rule with a delay fires in any scan in which its condition holds
 //! as it did in the scan before, or does not fire. So everything that the plant can do at any speed is covered, and
@@ -10,6 +12,7 @@
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
+use super::clocks::{Clocks, Counter};
 use super::steps::{self, Turn};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{ActuatorId, Atom, Machine};
@@ -33,7 +36,14 @@ pub struct Terminals {
 
 /// Lets the plant move under the outputs of the scan before; with `open` it gives nothing. In a plant that goes by
 /// steps, hidden values are those after whatever happens, and inputs are those that are read if that happens.
-pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &ChartState, open: bool) -> Terminals {
+pub fn give(
+    system: &mut System,
+    clocks: &mut Clocks,
+    machine: &Machine,
+    started: Lit,
+    before: &ChartState,
+    open: bool,
+) -> Terminals {
     let plant = &machine.plant;
     let gives = if open { vec![false; machine.inputs.len()] } else { plant.gives(machine.inputs.len()) };
     let begins = |given: Given| plant.initially.iter().any(|&(g, value)| g == given && value);
@@ -91,13 +101,13 @@ pub fn give(system: &mut System, machine: &Machine, started: Lit, before: &Chart
         count_latches,
     };
     if plant.by_steps {
-        return steps::live(system, terminals, &memory);
+        return steps::live(system, clocks, terminals, &memory);
     }
     for travel in &plant.travels {
-        terminals.travel(system, travel);
+        terminals.travel(system, clocks, travel);
     }
     for (i, rule) in plant.rules.iter().enumerate() {
-        terminals.rule(system, i, rule, Lit::TRUE);
+        terminals.rule(system, clocks, i, rule, Lit::TRUE);
     }
     for (latch, given) in memory {
         system.latches[latch].next = terminals.value(given);
@@ -144,6 +154,11 @@ fn count(system: &mut System, count: &Count, open: bool) -> Vector {
 pub fn width(count: &Count) -> usize {
     let most = count.range.highest - count.range.lowest;
     (0..).find(|&i| most >> i == 0).unwrap_or(0)
+}
+
+/// The greatest common divisor.
+fn divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { divisor(b, a % b) }
 }
 
 /// The plant while it moves.
@@ -208,13 +223,22 @@ impl Moving<'_> {
     }
 
     /// Tries a rule; what it counts goes on only when it is its `turn`.
-    pub fn rule(&mut self, system: &mut System, i: usize, rule: &Rule, turn: Lit) {
+    pub fn rule(&mut self, system: &mut System, clocks: &mut Clocks, i: usize, rule: &Rule, turn: Lit) {
         let now = self.value(rule.target);
         let holds = self.holds(&mut system.aig, &rule.condition);
         let differs = now.xor(rule.value);
         let pending = system.aig.and(holds, differs);
         let fires = if rule.delay == 0 {
             pending
+        } else if clocks.exact() {
+            let delay = u64::from(rule.delay);
+            let counter = clocks.counter(system, &format!("how long rule {} has waited", i + 1), delay, 0);
+            let over = counter.is_at_least(&mut system.aig, delay);
+            let fires = system.aig.and(pending, over);
+            let waits = system.aig.and(pending, !over);
+            clocks.stop_before(system, &counter, waits, &counter.value, delay);
+            clocks.count(system, &counter, waits, Lit::FALSE, turn);
+            fires
         } else {
             let latch = system.latches.len();
             let held = system.latch(format!("rule {} has waited", i + 1), Some(false));
@@ -270,14 +294,36 @@ impl Moving<'_> {
 
     /// For each position of an actuator that is never slower than it says, how often it has been on its way there without
     /// arriving, up to one scan less than it may take and `more`.
-    pub fn ways(&self, system: &mut System, travel: &Travel, more: u32) -> Option<[Way; 2]> {
+    pub fn ways(&self, system: &mut System, clocks: &mut Clocks, travel: &Travel, more: u32) -> Option<[Way; 2]> {
         let actuator = &self.machine.actuators[travel.actuator];
         let scans = [travel.back, travel.out];
         let way = |p: usize| {
-            let name = format!("{} to {}", actuator.name, actuator.positions[p].name);
-            Way::new(system, &name, scans[p] - 1 + more)
+            let most = u64::from(scans[p] - 1 + more);
+            let name = format!("the time on the way of {} to {}", actuator.name, actuator.positions[p].name);
+            Way { counter: clocks.counter(system, &name, most, 0), most }
         };
         travel.at_most.then(|| [0, 1].map(way))
+    }
+
+    /// Lets an actuator take a scan of its way when it is its `turn`, as long as it takes. Returns for each position whether it is there
+    /// then.
+    pub fn go(
+        &self,
+        system: &mut System,
+        clocks: &mut Clocks,
+        travel: &Travel,
+        toward: [Lit; 2],
+        turn: Lit,
+    ) -> [Lit; 2] {
+        let actuator = &self.machine.actuators[travel.actuator];
+        let beginning = self.machine.plant.places.iter().rev().find(|(a, _)| *a == travel.actuator);
+        let (out, back) = (u64::from(travel.out), u64::from(travel.back));
+        // Both ways take whole steps.
+        let common = divisor(out, back);
+        let whole = out / common * back;
+        let begins = if beginning.is_some_and(|&(_, position)| position == 1) { whole } else { 0 };
+        let place = clocks.counter(system, &format!("the place of {}", actuator.name), whole, begins);
+        clocks.travel(system, &place, toward, [out / common, back / common], turn)
     }
 
     /// Sensors follow from where the actuator is.
@@ -288,7 +334,7 @@ impl Moving<'_> {
     }
 
     /// One actuator: where it is ordered, and where it may be then.
-    fn travel(&mut self, system: &mut System, travel: &Travel) {
+    fn travel(&mut self, system: &mut System, clocks: &mut Clocks, travel: &Travel) {
         let actuator = &self.machine.actuators[travel.actuator];
         let (alone, some) = self.driven(&mut system.aig, travel.actuator, &self.outputs);
         let ordered = match travel.valve {
@@ -307,16 +353,24 @@ impl Moving<'_> {
         };
         let toward = self.toward(&mut system.aig, travel, ordered);
         let toward = toward.map(|t| system.aig.and(t, self.started));
+        if clocks.exact() && !travel.at_most {
+            let at = self.go(system, clocks, travel, toward, Lit::TRUE);
+            self.sense(travel, at);
+            return;
+        }
         let latches = system.latches.len();
         let at = self.at(system, travel.actuator);
-        let ways = self.ways(system, travel, 0);
+        let ways = self.ways(system, clocks, travel, 0);
         let leaves = system.input(format!("{} gets away", actuator.name), Giver::Plant);
         let arrives = system.input(format!("{} arrives", actuator.name), Giver::Plant);
         let aig = &mut system.aig;
         let scans = [travel.back, travel.out];
         // When it has to have left the other position, and to arrive.
         let late = match &ways {
-            Some(ways) => [0, 1].map(|p| [ways[p].is_at_least(aig, scans[p].saturating_sub(2)), ways[p].is_over(aig)]),
+            Some(ways) => [0, 1].map(|p| {
+                let leaves = u64::from(scans[p].saturating_sub(2));
+                [ways[p].counter.is_at_least(aig, leaves), ways[p].is_over(aig)]
+            }),
             None => [[Lit::FALSE; 2]; 2],
         };
         let mut then = [Lit::FALSE; 2];
@@ -338,7 +392,9 @@ impl Moving<'_> {
         }
         for (p, way) in ways.iter().flatten().enumerate() {
             let on = system.aig.and(toward[p], !then[p]);
-            way.go_on(system, on, Lit::TRUE);
+            let leaves = u64::from(scans[p].saturating_sub(2));
+            clocks.stop_before(system, &way.counter, on, &way.counter.value, leaves);
+            way.go_on(system, clocks, on, Lit::TRUE);
         }
         for p in [0, 1] {
             // An actuator that is ordered for ever arrives.
@@ -352,40 +408,21 @@ impl Moving<'_> {
 
 /// How often in a row an actuator has been on its way to a position without arriving, up to the most that is possible.
 pub struct Way {
-    first: usize,
-    count: Vector,
-    most: u32,
+    counter: Counter,
+    most: u64,
 }
 
 impl Way {
-    fn new(system: &mut System, name: &str, most: u32) -> Way {
-        let first = system.latches.len();
-        let bits = u32::BITS - most.leading_zeros();
-        let mut count: Vector =
-            (0..bits).map(|i| system.latch(format!("bit {i} of the time on the way of {name}"), Some(false))).collect();
-        count.push(Lit::FALSE);
-        Way { first, count, most }
-    }
-
-    fn is_at_least(&self, aig: &mut Aig, least: u32) -> Lit {
-        !vector::less(aig, &self.count, &vector::constant(i64::from(least)))
-    }
-
     /// Whether it cannot be on its way any more.
     pub fn is_over(&self, aig: &mut Aig) -> Lit {
-        self.is_at_least(aig, self.most)
+        self.counter.is_at_least(aig, self.most)
     }
 
     /// One more time when it `counts` if it is on its way, from the beginning if not.
-    pub fn go_on(&self, system: &mut System, is_on: Lit, counts: Lit) {
-        let aig = &mut system.aig;
-        let more = vector::add(aig, &self.count, &vector::constant(1));
-        let over = self.is_over(aig);
-        let more = vector::select(aig, over, &self.count, &more);
-        let more = vector::select(aig, counts, &more, &self.count);
-        let next = vector::select(aig, is_on, &more, &vector::constant(0));
-        for (i, &bit) in vector::fit(&next, self.count.len() - 1).iter().enumerate() {
-            system.latches[self.first + i].next = bit;
-        }
+    pub fn go_on(&self, system: &mut System, clocks: &mut Clocks, is_on: Lit, counts: Lit) {
+        let over = self.is_over(&mut system.aig);
+        let turn = system.aig.or(counts, !is_on);
+        clocks.stop_before(system, &self.counter, is_on, &self.counter.value, self.most);
+        clocks.count(system, &self.counter, is_on, over, turn);
     }
 }

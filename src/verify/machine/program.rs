@@ -7,6 +7,7 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
 use super::Program;
+use super::clocks::{Clocks, Regions};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{ChartKind, Machine, StateId};
 use crate::ir::number::Range;
@@ -51,22 +52,48 @@ impl Running<'_> {
     }
 
     /// One scan, the first one if it has not `started`. What it leaves open comes into the system: the course of
-    /// time, and what an unknown program does.
-    pub fn scan(&self, system: &mut System, started: Lit, before: &ChartState, inputs: &[Lit]) -> ChartScan {
-        let step = ChartStep::new(self.machine, self.rounds).without_scans();
+    /// time where it is open, and what an unknown program does. Clocks go on when it is the program's `turn`.
+    pub fn scan(
+        &self,
+        system: &mut System,
+        clocks: &mut Clocks,
+        started: Lit,
+        before: &ChartState,
+        inputs: &[Lit],
+        turn: Lit,
+    ) -> ChartScan {
+        let step = self.step();
         let step = match self.program {
             Program::Chart => step,
             Program::Any => step.behind(unknown(system, self.machine)),
         };
-        let clocks = self.clocks(system, &step, before);
-        let later = step.scan(&mut system.aig, before, inputs, &clocks);
+        let exact =
+            clocks.exact().then(|| Regions::new(system, clocks, self.machine, &step, &|state| self.runs(state)));
+        let passed = match &exact {
+            Some(regions) => regions.passed(&mut system.aig, self.machine, &step),
+            None => self.clocks(system, &step, before),
+        };
+        let later = step.scan(&mut system.aig, before, inputs, &passed);
         let first = step.first(&mut system.aig, inputs);
-        either(&mut system.aig, started, &later, &first)
+        let scan = either(&mut system.aig, started, &later, &first);
+        if let Some(regions) = exact {
+            regions.tick(system, clocks, self.machine, &step, [before, &scan.after], turn);
+        }
+        scan
+    }
+
+    fn step(&self) -> ChartStep<'_> {
+        ChartStep::new(self.machine, self.rounds).without_scans()
+    }
+
+    /// The times that guards wait for.
+    pub fn timers(&self) -> Vec<(StateId, u32)> {
+        self.step().timers().filter(|t| self.runs(t.0)).collect()
     }
 
     /// Whether it waits for times.
     pub fn is_timed(&self) -> bool {
-        ChartStep::new(self.machine, self.rounds).without_scans().timers().any(|(state, _)| self.runs(state))
+        !self.timers().is_empty()
     }
 
     /// Whether the state can be active.

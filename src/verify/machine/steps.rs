@@ -4,14 +4,15 @@
 //! runs, or the outputs on which it has decided are written. Reading and writing take turns; what happens is
 //! anywhere between them, any number of times. So until outputs are written the plant goes on under the old ones.
 //!
-//! An actuator that travels is one of those to whom something happens: it gets away from a position, or arrives.
-//! Times play no part.
+//! An actuator that travels is one of those to whom something happens: it gets away from a position, or arrives. Where times are exact it
+//! travels from reading to reading, as long as it takes; all else takes no time.
 //!
 //! What has no meaning at a moment, such as outputs that wait to be written when none do, is FALSE then, so that one state of the machine
 //! is one state of the system.
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Alternative, Giver, System};
+use super::clocks::Clocks;
 use super::plant::{Moving, Terminals, width};
 use super::program::map;
 use crate::bits::vector::{self, Vector};
@@ -44,6 +45,11 @@ impl Turn {
     pub fn always() -> Turn {
         let (waiting, moves) = (Vec::new(), Vec::new());
         Turn { reading: Lit::TRUE, writing: Lit::FALSE, waiting, moves, waits: Lit::FALSE, first_waiting: 0 }
+    }
+
+    /// The latches that keep what waits to be written, and whether it does.
+    pub fn latches(&self) -> Range<usize> {
+        if self.reading == Lit::TRUE { 0..0 } else { self.first_waiting - 1..self.first_waiting + self.waiting.len() }
     }
 
     /// The scan, if it is the program's turn; else nothing happens to what it remembers in the latches of `memory`, except
@@ -108,7 +114,7 @@ enum Then {
 }
 
 /// Lets happen what may. `memory` says which latch keeps what of inputs and hidden bits.
-pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)]) -> Terminals {
+pub fn live(system: &mut System, clocks: &mut Clocks, mut plant: Moving<'_>, memory: &[(usize, Given)]) -> Terminals {
     let machine = plant.machine;
     // Bits in the scan before: as they were when inputs were read last.
     let first_past = system.latches.len();
@@ -127,6 +133,7 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     let mut places = Vec::new();
     let mut valves = Vec::new();
     let mut ways = Vec::new();
+    let mut going_on = Vec::new();
     for travel in &machine.plant.travels {
         let ordered = match travel.valve {
             Valve::WhileDriven => plant.driven(&mut system.aig, travel.actuator, &plant.outputs).0,
@@ -141,13 +148,18 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
                 last
             }
         };
+        if clocks.exact() && !travel.at_most {
+            let toward = plant.toward(&mut system.aig, travel, ordered);
+            going_on.push((travel, toward.map(|t| system.aig.and(t, plant.started))));
+            continue;
+        }
         let latches = system.latches.len();
         let at = plant.at(system, travel.actuator);
         (0..2).for_each(|p| system.latches[latches + p].next = at[p]);
-        places.push((latches, at));
+        places.push((travel, at));
         let toward = plant.toward(&mut system.aig, travel, ordered);
         // Outputs may be written late in a scan: so it may take a reading more.
-        for (p, way) in plant.ways(system, travel, 1).into_iter().flatten().enumerate() {
+        for (p, way) in plant.ways(system, clocks, travel, 1).into_iter().flatten().enumerate() {
             ways.push((way, system.aig.and(toward[p], !at[p])));
         }
         moves.extend([0, 1].map(|p| going(system, machine, travel, p, toward[p], at, latches)));
@@ -168,7 +180,7 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     }
     // Nothing is read before it has arrived where it must be by then.
     for (way, is_on) in ways {
-        way.go_on(system, is_on, reading);
+        way.go_on(system, clocks, is_on, reading);
         let over = way.is_over(&mut system.aig);
         let late = system.aig.all(&[reading, is_on, over]);
         system.constraints.push(!late);
@@ -198,6 +210,12 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     }
     let terminals = std::mem::replace(&mut plant.outputs, waiting.clone());
     for rule in machine.plant.rules.iter().filter(|r| r.is_of_valve()) {
+        let again = std::mem::replace(&mut plant.outputs, terminals.clone());
+        let holds = plant.holds(&mut system.aig, &rule.condition);
+        let bit = plant.value(rule.target);
+        let stays = system.aig.and(holds, bit.xor(rule.value));
+        clocks.settled.push(!stays);
+        plant.outputs = again;
         let holds = plant.holds(&mut system.aig, &rule.condition);
         let fires = system.aig.and(writing, holds);
         let now = plant.value(rule.target);
@@ -205,6 +223,11 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
     }
     for (latches, last, actuator) in valves {
         let (alone, _) = plant.driven(&mut system.aig, actuator, &waiting);
+        let (again, _) = plant.driven(&mut system.aig, actuator, &terminals);
+        for p in [0, 1] {
+            let changes = system.aig.and(again[p], !last[p]);
+            clocks.settled.push(!changes);
+        }
         for p in [0, 1] {
             let stays = system.aig.and(last[p], !alone[1 - p]);
             let order = system.aig.or(alone[p], stays);
@@ -217,13 +240,17 @@ pub fn live(system: &mut System, mut plant: Moving<'_>, memory: &[(usize, Given)
 
     // The reading, at which nothing else happens.
     let kept = plant.inputs.clone();
-    for (travel, (_, at)) in machine.plant.travels.iter().zip(&places) {
-        plant.sense(travel, *at);
+    for (travel, at) in places {
+        plant.sense(travel, at);
+    }
+    for (travel, toward) in going_on {
+        let at = plant.go(system, clocks, travel, toward, reading);
+        plant.sense(travel, at);
     }
     let mut follows = None;
     for (i, rule) in machine.plant.rules.iter().enumerate().filter(|(_, r)| !r.is_of_valve()) {
         let condition = plant.holds(&mut system.aig, &rule.condition);
-        plant.rule(system, i, rule, reading);
+        plant.rule(system, clocks, i, rule, reading);
         // What follows a condition is that condition, and nothing that is remembered.
         if rule.delay == 0 && !rule.value && follows == Some((rule.target, !condition)) {
             *plant.place(rule.target) = !condition;

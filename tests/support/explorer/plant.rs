@@ -2,7 +2,7 @@
 
 use super::program::Memory;
 use chartwright::ir::chart::{InputId, Machine};
-use chartwright::ir::scenario::{Alteration, Condition, Given, Rule, Valve};
+use chartwright::ir::scenario::{Alteration, Condition, Given, Rule, Travel, Valve};
 use chartwright::simulate::frame::{Frame, Layout};
 
 /// The plant of a machine.
@@ -11,6 +11,8 @@ pub struct Plant<'m> {
     pub layout: Layout,
     /// Whether there is none: everything is free.
     pub open: bool,
+    /// Whether all takes as long as it says.
+    pub exact: bool,
 }
 
 /// How a plant stands.
@@ -28,6 +30,9 @@ pub struct Moment {
     orders: Vec<Option<usize>>,
     /// For each rule with a time, whether its condition held in the scan before and it did not act.
     waited: Vec<bool>,
+    /// If times are exact, how far each travel has come, in scans out times scans back; and how long each rule has waited.
+    ways: Vec<u64>,
+    waits: Vec<u32>,
     /// What stands at the terminals, and what stood there when the inputs were read last.
     outputs: Vec<bool>,
     earlier: Vec<bool>,
@@ -72,6 +77,8 @@ impl Plant<'_> {
             places: vec![0; plant.travels.len()],
             orders: vec![None; plant.travels.len()],
             waited: vec![false; plant.rules.len()],
+            ways: vec![0; plant.travels.len()],
+            waits: vec![0; plant.rules.len()],
             outputs: vec![false; self.machine.outputs.len()],
             earlier: vec![false; self.machine.outputs.len()],
             waiting: None,
@@ -82,8 +89,9 @@ impl Plant<'_> {
         }
         plant.initially.iter().for_each(|&(given, value)| moment.set(given, value));
         for &(actuator, position) in &plant.places {
-            for (place, _) in moment.places.iter_mut().zip(&plant.travels).filter(|(_, t)| t.actuator == actuator) {
-                *place = position;
+            for (i, travel) in plant.travels.iter().enumerate().filter(|(_, t)| t.actuator == actuator) {
+                moment.places[i] = position;
+                moment.ways[i] = if self.exact && position == 1 { whole(travel) } else { 0 };
             }
         }
         let mut all = vec![moment];
@@ -204,6 +212,16 @@ impl Plant<'_> {
         if rule.delay == 0 {
             return vec![(if pending { moment.with(|m| m.set(rule.target, rule.value)) } else { moment }, true)];
         }
+        if self.exact {
+            let over = pending && moment.waits[index] == rule.delay;
+            let then = moment.with(|m| {
+                m.waits[index] = if pending && !over { m.waits[index] + 1 } else { 0 };
+                if over {
+                    m.set(rule.target, rule.value);
+                }
+            });
+            return vec![(then, true)];
+        }
         let mut all = Vec::new();
         if pending && moment.waited[index] {
             let acts = moment.with(|m| {
@@ -252,6 +270,9 @@ impl Plant<'_> {
 
     /// An actuator before a scan: all that it can do.
     fn travel(&self, mut moment: Moment, around: Surroundings<'_>, travel: usize, fair: u64) -> Vec<(Moment, u64)> {
+        if self.exact {
+            return vec![(self.go(moment, around, travel), fair | 3 << (2 * travel))];
+        }
         if self.machine.plant.by_steps {
             // It has moved already.
             let order = self.order(&moment, travel, &moment.outputs);
@@ -279,6 +300,32 @@ impl Plant<'_> {
             (m, fair)
         };
         places.into_iter().map(then).collect()
+    }
+
+    /// A scan of its way, where it takes as long as it says: from where it is called back it goes back in a part of the time.
+    fn go(&self, mut moment: Moment, around: Surroundings<'_>, travel: usize) -> Moment {
+        let t = &self.machine.plant.travels[travel];
+        let order = self.order(&moment, travel, &moment.outputs);
+        if t.valve == Valve::Keeps {
+            moment.orders[travel] = order;
+        }
+        let toward = if around.memory.begun { self.toward(&moment, around, travel, order) } else { None };
+        let way = moment.ways[travel];
+        let way = match toward {
+            Some(0) => way.saturating_sub(u64::from(t.out)),
+            Some(_) => (way + u64::from(t.back)).min(whole(t)),
+            None => way,
+        };
+        moment.ways[travel] = way;
+        moment.places[travel] = if way == 0 {
+            0
+        } else if way == whole(t) {
+            1
+        } else {
+            2
+        };
+        self.sense(&mut moment, travel);
+        moment
     }
 
     /// For both positions of an actuator: it is not on its way there, or there.
@@ -314,7 +361,9 @@ impl Plant<'_> {
             let toward = self.toward(moment, around, travel, order);
             fair |= self.paid(moment, travel, toward);
             let at = moment.places[travel];
-            if let Some(to) = toward.filter(|&to| at != to) {
+            if self.exact {
+                fair |= 3 << (2 * travel);
+            } else if let Some(to) = toward.filter(|&to| at != to) {
                 let next = if at != 2 && self.takes_time(travel, to) { 2 } else { to };
                 all.push(moment.with(|m| m.places[travel] = next));
             }
@@ -354,6 +403,11 @@ impl Plant<'_> {
         };
         all.into_iter().map(read).collect()
     }
+}
+
+/// The whole way of an actuator.
+fn whole(travel: &Travel) -> u64 {
+    u64::from(travel.out) * u64::from(travel.back)
 }
 
 impl Moment {

@@ -25,6 +25,8 @@ pub struct Memory {
     /// For each timer, whether its state was entered in the last scan, and whether its time has passed.
     fresh: Vec<bool>,
     past: Vec<bool>,
+    /// If times are exact, for each timer how many scans have begun in its state since the one that entered it, up to its time.
+    begun_in: Vec<u32>,
 }
 
 /// The times that have passed when a scan begins.
@@ -46,13 +48,15 @@ pub struct Scan {
 }
 
 /// What tells two memories apart: the frame, and what each list of the memory says.
-type Remembered = (Frame, Vec<bool>, Vec<bool>, Vec<bool>);
+type Remembered = (Frame, Vec<bool>, Vec<bool>, Vec<bool>, Vec<u32>);
 
 /// All that programs have remembered so far.
 pub struct Memories<'m> {
     machine: &'m Machine,
     layout: Layout,
     timers: Vec<Timer>,
+    /// Whether times are those of the declared cycle.
+    exact: bool,
     all: Vec<Memory>,
     known: HashMap<Remembered, usize>,
     scans: HashMap<(usize, Vec<bool>), Rc<Scan>>,
@@ -61,9 +65,14 @@ pub struct Memories<'m> {
 impl Memory {
     /// All that times may have done since the last scan. A time can have passed if the scan is not the first that
     /// began in its state, then stays so; of one state a shorter one passes no later.
-    pub fn times(&self, layout: Layout, timers: &[Timer]) -> Vec<Times> {
+    pub fn times(&self, layout: Layout, timers: &[Timer], cycle: Option<u32>) -> Vec<Times> {
         let running: Vec<bool> =
             timers.iter().zip(&self.fresh).map(|(t, fresh)| self.frame[layout.state(t.state)] && !fresh).collect();
+        if let Some(cycle) = cycle {
+            let over = |(i, t): (usize, &Timer)| running[i] && self.begun_in[i] == t.time.div_ceil(cycle);
+            let fair = (1 << timers.len()) - 1;
+            return vec![Times { passed: timers.iter().enumerate().map(over).collect(), fair }];
+        }
         let mut all = Vec::new();
         for chosen in 0..1usize << timers.len() {
             let passed: Vec<bool> = (0..timers.len()).map(|i| chosen >> i & 1 == 1).collect();
@@ -83,14 +92,16 @@ impl Memory {
 
 impl<'m> Memories<'m> {
     /// Nothing is remembered yet: that is number 0.
-    pub fn new(machine: &'m Machine, layout: Layout, timers: &[Timer]) -> Memories<'m> {
+    pub fn new(machine: &'m Machine, layout: Layout, timers: &[Timer], exact: bool) -> Memories<'m> {
         let no = vec![false; timers.len()];
-        let memory =
-            Memory { chart: Chart::new(machine), begun: false, frame: layout.frame(), fresh: no.clone(), past: no };
+        let begun_in = vec![0; timers.len()];
+        let chart = Chart::new(machine);
+        let memory = Memory { chart, begun: false, frame: layout.frame(), fresh: no.clone(), past: no, begun_in };
         Memories {
             machine,
             layout,
             timers: timers.to_vec(),
+            exact,
             all: vec![memory],
             known: HashMap::new(),
             scans: HashMap::new(),
@@ -141,8 +152,13 @@ impl<'m> Memories<'m> {
             .iter()
             .zip(&times.passed)
             .zip(&fresh)
-            .map(|((t, &passed), fresh)| passed && !fresh && active(t.state, &frame))
+            .map(|((t, &passed), fresh)| !self.exact && passed && !fresh && active(t.state, &frame))
             .collect();
+        let count = |(i, t): (usize, &Timer)| {
+            let counts = self.exact && !fresh[i] && active(t.state, &frame);
+            if counts { (memory.begun_in[i] + 1).min(t.time.div_ceil(machine.cycle)) } else { 0 }
+        };
+        let begun_in: Vec<u32> = self.timers.iter().enumerate().map(count).collect();
         for (t, _) in self.timers.iter().zip(&past) {
             kept[layout.input(t.input)] = false;
         }
@@ -151,10 +167,10 @@ impl<'m> Memories<'m> {
         next.scan(inputs);
         let raised: Vec<bool> = machine.events.ids().map(|e| next.event(e)).collect();
         let to = self.all.len();
-        let key = (kept.clone(), raised, fresh.clone(), past.clone());
+        let key = (kept.clone(), raised, fresh.clone(), past.clone(), begun_in.clone());
         let to = *self.known.entry(key).or_insert(to);
         if to == self.all.len() {
-            self.all.push(Memory { chart, begun: true, frame: kept, fresh, past });
+            self.all.push(Memory { chart, begun: true, frame: kept, fresh, past, begun_in });
         } else {
             // Two programs that remember the same do the same.
             let mut other = self.all[to].chart.clone();

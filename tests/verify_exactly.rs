@@ -1,0 +1,231 @@
+//! Times are those of the declared cycle: what verification says is what the simulators show.
+
+use crate::support::explorer::{Explorer, without_times};
+use crate::support::random::seeds;
+use crate::support::small::Small;
+use chartwright::ir::chart::Machine;
+use chartwright::ir::expr::Expr;
+use chartwright::ir::scenario::PropertyKind;
+use chartwright::pipeline;
+use chartwright::pipeline::verify::{Options, Program, Question, Status, Times, Verified, verify};
+use chartwright::simulate::run::Program as Runs;
+use chartwright::simulate::scenario::play;
+use chartwright::verify::machine::Subject;
+use chartwright::verify::{Choice, Limits, Verdict, check};
+use std::time::{Duration, Instant};
+
+fn ask(text: &str, times: Times) -> Verified {
+    let options = Options { times, ..Options::default() };
+    let (verified, diagnostics) = verify(text, &options, &|| false, &mut |_| {});
+    verified.unwrap_or_else(|| panic!("{diagnostics:?}\n{text}"))
+}
+
+/// The verdicts on the declared properties.
+fn declared(text: &str, times: Times) -> Vec<Status> {
+    let verified = ask(text, times);
+    let own = verified.answers.iter().filter(|a| matches!(a.question, Question::Declared(_)));
+    own.map(|a| a.status).collect()
+}
+
+/// Whether each scenario that shows what is violated, put into the other model, fails there, on the chart and in the PLC.
+fn fails(found: &Verified, model: &str) -> Vec<bool> {
+    let mut fails = Vec::new();
+    for answer in found.answers.iter().filter(|a| a.demand && a.status == Status::Violated) {
+        if !matches!(answer.question, Question::Declared(_)) {
+            continue;
+        }
+        let run = answer.run.as_ref().expect("it is shown");
+        assert_eq!(run.replayed, Some(true), "{}", run.scenario);
+        let (machine, found) = pipeline::check(&format!("{model}\n{}", run.scenario));
+        let machine = machine.unwrap_or_else(|| panic!("{found:?}: {}", run.scenario));
+        let scenario = machine.scenarios.len() - 1;
+        let programs = pipeline::programs(&machine).into_iter();
+        let failed: Vec<bool> =
+            programs.map(|(_, p)| play(&machine, p, scenario, &mut |_, _| {}).failure.is_some()).collect();
+        assert!(failed.iter().all(|&f| f == failed[0]), "chart and PLC differ: {}", run.scenario);
+        fails.push(failed[0]);
+    }
+    fails
+}
+
+/// Ovens that are switched on together, each of which rings after its time.
+fn ovens(times: &[&str], properties: &str) -> String {
+    let each = |f: &dyn Fn(usize) -> String| (0..times.len()).map(f).collect::<String>();
+    let outputs = each(&|i| format!(" BELL{i}"));
+    let bells = each(&|i| format!("actuator Bell{i} onoff by BELL{i}\n"));
+    let regions = each(&|i| {
+        format!(
+            "    region R{i} {{ initial state Bakes state Rings {{ drives BELL{i} }} from Bakes to Rings when after {} }}\n",
+            times[i]
+        )
+    });
+    format!(
+        "machine Bakery\ncycle 20ms\ninputs {{ Start Stop }}\noutputs {{{outputs} }}\n{bells}chart Ovens {{\n  initial state Cold\n  \
+         parallel state Hot {{\n{regions}  }}\n  from Cold to Hot when Start\n  from Hot to Cold when Stop\n}}\n\
+         properties {{\n{properties}\n}}\n"
+    )
+}
+
+#[test]
+fn what_begins_together_ends_in_order_of_its_time() {
+    use Status::{Holds, Violated};
+    let asked = "  A: never BELL1 and not BELL0\n  B: never BELL2 and not BELL1\n  C: never BELL0 and not BELL2\n  \
+                 D: reachable BELL0 and not BELL1\n  E: reachable BELL1 and not BELL0\n  F: always possible not BELL0";
+    for times in [["40ms", "400ms", "4s"], ["20ms", "40ms", "600ms"]] {
+        let begun = Instant::now();
+        let text = ovens(&times, asked);
+        assert_eq!(declared(&text, Times::Exact), [Holds, Holds, Violated, Holds, Violated, Holds], "{times:?}");
+        assert!(begun.elapsed() < Duration::from_secs(60), "{times:?}: {:?}", begun.elapsed());
+        // At any speed of each clock, all of that can be.
+        let open = declared(&text, Times::Free);
+        assert_eq!(open, [Violated, Violated, Violated, Holds, Holds, Holds], "{times:?}");
+    }
+}
+
+#[test]
+fn times_that_are_one_scan_apart_are_told_apart() {
+    use Status::{Holds, Violated};
+    let asked = "  A: never BELL1 and not BELL0\n  B: reachable BELL0 and not BELL1";
+    for (times, expected) in [
+        (["300ms", "320ms"], [Holds, Holds]),
+        // Both are over in the same scan, which begins at 320 ms.
+        (["301ms", "320ms"], [Holds, Violated]),
+        (["320ms", "300ms"], [Violated, Violated]),
+    ] {
+        assert_eq!(declared(&ovens(&times, asked), Times::Exact), expected, "{times:?}");
+    }
+}
+
+/// A gate that is opened for a while, and an arm that goes through it and back.
+fn gate(arm: &str, open: &str, guard: &str) -> String {
+    format!(
+        "machine Gate\ncycle 10ms\ninputs {{ Call Home Away }}\noutputs {{ OPEN GO }}\nactuator Door onoff by OPEN\n\
+         actuator Arm monostable {{ position Near sensor Home position Far output GO sensor Away }}\n\
+         chart Lock {{\n  initial state Shut\n  state Free {{ drives OPEN }}\n  from Shut to Free when rise(Call)\n  \
+         from Free to Shut when after {open}{guard}\n}}\n\
+         chart Hand {{\n  initial state Rest\n  state Reach {{ drives GO }}\n  state Back\n  from Rest to Reach when rise(Call) and in(Lock.Shut)\n  \
+         from Reach to Back when Away\n  from Back to Rest when Home\n}}\n\
+         plant {{ Arm travels {arm} }}\n\
+         properties {{\n  Safe: never not OPEN and not Home\n  Comes: after rise(OPEN) eventually not OPEN\n}}\n"
+    )
+}
+
+#[test]
+fn a_guard_and_an_actuator_go_by_the_same_clock() {
+    use Status::{Holds, Violated};
+    // There and back takes twice its way, and some scans to see and to order.
+    for (arm, open, expected) in [
+        ("200ms", "500ms", [Holds, Holds]),
+        ("200ms back 300ms", "500ms", [Holds, Holds]),
+        ("200ms", "300ms", [Violated, Holds]),
+    ] {
+        assert_eq!(declared(&gate(arm, open, ""), Times::Exact), expected, "{arm}, {open}");
+    }
+    assert_eq!(declared(&gate("200ms", "500ms", ""), Times::Free)[0], Violated);
+}
+
+#[test]
+fn the_scenario_of_a_counterexample_fails_until_the_model_is_mended() {
+    // Mended by a guard that looks, and by a time that is long enough.
+    let wrong = gate("200ms", "300ms", "");
+    let found = ask(&wrong, Times::Exact);
+    assert_eq!(fails(&found, &wrong), [true]);
+    assert_eq!(fails(&found, &gate("200ms", "300ms", " and Home and in(Hand.Rest)")), [false]);
+    assert_eq!(fails(&found, &gate("200ms", "500ms", "")), [false]);
+}
+
+#[test]
+fn a_rule_of_the_plant_takes_the_time_that_it_says() {
+    use Status::{Holds, Violated};
+    let text = |delay: &str, patience: &str| {
+        format!(
+            "machine Tank\ncycle 10ms\ninputs {{ Go Full }}\noutputs {{ FILL }}\nactuator Valve onoff by FILL\n\
+             variables {{ Late : BOOL }}\n\
+             chart C {{\n  initial state Idle\n  state Filling {{ drives FILL }}\n  state Alarm\n  from Idle to Filling when Go\n  \
+             from Filling to Idle when Full\n  from Filling to Alarm when after {patience}\n}}\n\
+             plant {{\n  Full rises when FILL after {delay}\n  Full falls when not FILL after 30ms\n}}\n\
+             properties {{ Quiet: never in(C.Alarm) }}\n"
+        )
+    };
+    for (delay, patience, expected) in
+        [("300ms", "310ms", Holds), ("300ms", "290ms", Violated), ("60s", "20ms", Violated)]
+    {
+        assert_eq!(declared(&text(delay, patience), Times::Exact), [expected], "{delay}, {patience}");
+    }
+}
+
+/// Whether a property holds with exact times.
+fn holds(machine: &Machine, property: usize) -> bool {
+    let subject = Subject::new(machine, Program::Chart, false, Times::Exact).expect("it can be verified");
+    let claim = subject.questions.iter().position(|q| *q == Question::Declared(property)).expect("it is asked");
+    let subject = subject.wanting(&[claim]);
+    let report = check(&subject.system, None, &Limits::default(), Choice::Automatic, &|| false, &mut |_| {});
+    report.findings[0].verdict == Verdict::Holds
+}
+
+/// Plays the scenario of a counterexample: it fails, and in each model that is mended by one stronger guard it passes. Says in how many.
+fn mends(source: &str, property: usize, scenario: &str) -> usize {
+    let (machine, found) = pipeline::check(&format!("{source}\n{scenario}"));
+    let machine = machine.unwrap_or_else(|| panic!("{found:?}: {scenario}"));
+    let played = |machine: &Machine| {
+        play(machine, Runs::chart(machine), machine.scenarios.len() - 1, &mut |_, _| {}).failure.is_none()
+    };
+    assert!(!played(&machine), "{source}\n{scenario} passes");
+    let mut mended = 0;
+    // What a scenario tells may not be able to happen in a mended machine, and inputs may break what is assumed of it.
+    if machine.plant.by_steps || !machine.safety.assumptions.is_empty() {
+        return 0;
+    }
+    for t in machine.transitions.ids() {
+        let mut machine = machine.clone();
+        machine.transitions[t].guard = Expr::FALSE;
+        if holds(&machine, property) {
+            assert!(played(&machine), "{source}\n{scenario} fails without {}", machine.transitions[t].source.index());
+            mended += 1;
+        }
+    }
+    mended
+}
+
+#[test]
+fn every_verdict_is_what_going_through_all_runs_by_the_clock_tells() {
+    let (mut machines, mut timed, mut differ, mut answers, mut shown, mut mended) = (0, 0, 0, [0, 0], 0, 0);
+    for seed in seeds(40) {
+        let source = Small::new(seed).source();
+        let (machine, _) = pipeline::check(&source);
+        let Some(machine) = machine else { continue };
+        let subject = Subject::new(&machine, Program::Chart, false, Times::Free).expect("it can be verified");
+        let (judged, timers) = without_times(&machine);
+        let explorer = Explorer::new(&judged, &timers, false, &subject.questions).exactly();
+        let Some(graph) = explorer.explore() else { continue };
+        let verified = ask(&source, Times::Exact);
+        machines += 1;
+        timed += usize::from(subject.timed);
+        let open = if subject.timed { Some(ask(&source, Times::Free)) } else { None };
+        for (i, (answer, truth)) in verified.answers.iter().zip(graph.truths()).enumerate() {
+            if matches!(answer.question, Question::Beyond(_)) {
+                continue;
+            }
+            let is = truth.is_ok() != answer.question.hopes_for_a_run(&machine);
+            let expected = if is { Status::Holds } else { Status::Violated };
+            let asked = format!("{:?}", answer.question);
+            assert_eq!(answer.status, expected, "seed {seed}: {asked}\n{source}");
+            answers[usize::from(truth.is_err())] += 1;
+            differ += usize::from(open.as_ref().is_some_and(|o| o.answers[i].status != answer.status));
+            if let (Question::Declared(p), Some(run)) = (answer.question, &answer.run)
+                && matches!(machine.properties[p].kind, PropertyKind::Never | PropertyKind::Always)
+            {
+                assert_eq!(run.replayed, Some(true), "seed {seed}: {asked}\n{source}");
+                shown += 1;
+                mended += mends(&source, p, &run.scenario);
+            }
+        }
+    }
+    println!(
+        "{machines} machines, {timed} of them with times; {answers:?} claims hold and do not, {differ} are another with open \
+         times; {shown} counterexamples, which pass in {mended} mended models"
+    );
+    if seeds(40) == (0..40) {
+        assert!(timed > 15 && differ > 5 && shown > 10 && mended > 0, "{timed}, {differ}, {shown}, {mended}");
+    }
+}

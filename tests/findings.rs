@@ -107,8 +107,8 @@ fn each_kind_of_finding_has_its_sentence_and_its_lines() {
 #[test]
 fn what_nobody_knows_is_asked() {
     let (exit, said) = says(KINDS, "verify m.chart --time 0");
-    assert_eq!(exit, 1);
-    assert!(said.lines().filter(|l| l.starts_with("unknown")).all(|l| l.contains('?')), "{said}");
+    assert_eq!(exit, 3);
+    assert!(said.lines().filter(|l| l.starts_with("open")).all(|l| l.contains('?')), "{said}");
     snapshot("unknown", &said);
 }
 

@@ -48,7 +48,7 @@ const REPORTS: [(&str, i32, &str); 16] = [
     ("prove lamp.chart lamp.xml", 0, "proved: one scan"),
     ("prove lamp.chart wrong.xml", 1, "scan"),
     ("prove lamp.chart inputs.csv", 1, "undecided"),
-    ("replay lamp.chart found", 0, "P1: never LAMP"),
+    ("replay lamp.chart found", 0, "P1 (line 13): never LAMP; the condition is TRUE in scan 2"),
     ("constraints lamp.chart", 0, "S1"),
     ("constraints lamp.chart --format dot", 0, "digraph"),
     ("stats lamp.chart", 0, "elementary states"),

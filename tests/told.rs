@@ -195,7 +195,7 @@ fn a_counterexample_shows_what_happens_between_scans_of_their_number_and_time() 
     let shown = stdout(&output);
     let squeezed = shown.split_whitespace().collect::<Vec<_>>().join(" ");
     for says in [
-        "P: never Stroke = 2 (after scan 2)",
+        "P (line 21): never Stroke = 2; the condition is TRUE after scan 2",
         "2 0.010 s +Go +O -In +Out | outputs are written: +Valve | out: Stroke=1 | out: Stroke=2",
         "Active in scan 2:",
     ] {

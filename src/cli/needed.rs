@@ -122,7 +122,7 @@ fn verdict(without: &Without) -> &'static str {
         Without::Violated(loss) if loss.certain => "needed",
         Without::Refused(_) => "needed",
         Without::Kept(_) => "not needed",
-        Without::Violated(_) | Without::Unknown(..) | Without::Unverified(_) => "unknown",
+        Without::Violated(_) | Without::Unknown(..) | Without::Unverified(_) => "open",
     }
 }
 
@@ -139,7 +139,7 @@ fn result(found: &Needed, findings: &Findings<'_>, source: &str) -> Result {
         verdict: match kept {
             Kept::Yes => "holds",
             Kept::No => "violated",
-            Kept::Unknown(_) => "unknown",
+            Kept::Unknown(_) => "open",
         },
         reason: if let Kept::Unknown(limit) = kept { Some(limit.to_string()) } else { None },
     });

@@ -212,7 +212,7 @@ fn verdict(answer: &Answer) -> &'static str {
         (Status::Holds, Some(_), _) => "absent",
         (Status::Violated, Some(_), false) => "found",
         (Status::Violated, Some(_), true) => "denied",
-        (Status::Unknown(_), ..) => "unknown",
+        (Status::Unknown(_), ..) => "open",
     }
 }
 

@@ -292,8 +292,8 @@ impl<'m> Player<'m> {
         let plant = &machine.plant;
         let tells = plant.by_steps && !options.open && options.program == Program::Chart;
         let given = if options.open { vec![true; machine.inputs.len()] } else { plant.gives(machine.inputs.len()) };
-        // With exact times the simulator's plant does the same by itself, except where less is known of it.
-        let exact = options.times == Times::Exact && options.program == Program::Chart;
+        // With exact times the simulator's plant does the same by itself, except where less is known of it or it is left out.
+        let exact = options.times == Times::Exact && options.program == Program::Chart && !options.open;
         let mut forced = vec![!tells && !exact; machine.inputs.len()];
         let unknown = plant.travels.iter().filter(|t| !exact || t.at_most);
         unknown.flat_map(|t| &t.sensors).for_each(|s| forced[s.input.index()] = true);

@@ -86,9 +86,15 @@ impl System {
     /// the scan before where the run still shows the same. A calm run is easier to read. What this may cost is bounded.
     pub fn calm(&self, trace: &Trace, property: Property, stop: Stop<'_>) -> Trace {
         let mut calm = trace.clone();
-        if matches!(property, Property::AlwaysPossible(_) | Property::NeverStuck) {
-            return calm;
-        }
+        // What cannot come any more, cannot come from the end of the run on: it has to end there.
+        let ends = match property {
+            Property::AlwaysPossible(_) | Property::NeverStuck => self.replay(trace, &mut |_| {}).ok(),
+            Property::Never(_) | Property::Eventually { .. } => None,
+        };
+        let shows = |calm: &Trace| match &ends {
+            Some(ends) => self.replay(calm, &mut |_| {}).as_ref() == Ok(ends),
+            None => self.shows(calm, property),
+        };
         let replay = trace.inputs.len() as u64 * self.aig.len() as u64;
         let mut left = CALM.max(TRIES.saturating_mul(replay));
         // Whole inputs first, then shorter and shorter stretches.
@@ -113,7 +119,7 @@ impl System {
                     }
                     left -= replay;
                     stretched.iter_mut().for_each(|scan| scan[input] = value);
-                    if !self.shows(&calm, property) {
+                    if !shows(&calm) {
                         calm.inputs[start..end].iter_mut().zip(was).for_each(|(scan, was)| scan[input] = was);
                     }
                 }

@@ -374,3 +374,139 @@ fn json_has_the_kind_the_places_and_the_verdict() {
     }
     assert!(json["situations"].is_string());
 }
+
+/// The model with these lines among its properties.
+fn with(lines: &str) -> String {
+    KINDS.replace("  P8: never in(Lost)\n", &format!("  P8: never in(Lost)\n{lines}"))
+}
+
+const ACCEPTED: &str = r#"  accept unreachable Lost "kept for later"
+  accept silent from Off to Lost "so is the way there"
+  accept overlap from Off to On number 1 and from Off to On number 2 "who starts first counts nothing"
+  accept overlap internal of On number 2 and internal of On number 1 "Spare means nothing"
+  accept saturates Count "it counts to two"
+  accept acts S1 "that is what it is for"
+  accept void P6 "Lost is for later"
+"#;
+
+#[test]
+fn what_is_accepted_is_counted_and_denied_no_more() {
+    let directory = Scratch::new("findings_accepted");
+    let demands = ["P1", "P2", "P3", "P4", "P5"];
+    let kept = |text: &str| {
+        let lines = text.lines().filter(|l| !demands.iter().any(|p| l.trim_start().starts_with(&format!("{p}:"))));
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    directory.write("m.chart", kept(&with(ACCEPTED)));
+    let output = chartwright(directory.path(), "verify m.chart --deny all");
+    let said = stdout(&output);
+    assert_eq!(code(&output), 0, "{said}{}", stderr(&output));
+    assert!(said.contains("\n7 accepted\n") && !said.contains("found  ") && !said.contains("stale"), "{said}");
+    let output = chartwright(directory.path(), "verify m.chart --format json");
+    let json: serde_json::Value = serde_json::from_str(stdout(&output)).expect("it is JSON");
+    let fates: Vec<&str> = json["accepted"].as_array().unwrap().iter().filter_map(|a| a["fate"].as_str()).collect();
+    assert_eq!(fates, ["accepted"; 7]);
+    let accepted = json["answers"].as_array().unwrap().iter().filter(|a| a["verdict"] == "accepted").count();
+    assert_eq!(accepted, 7);
+    // One fewer, and that one is told again.
+    directory.write("m.chart", kept(&with(&ACCEPTED.replace("  accept saturates Count \"it counts to two\"\n", ""))));
+    let output = chartwright(directory.path(), "verify m.chart --deny all");
+    assert_eq!(code(&output), 1);
+    assert!(stdout(&output).contains("denied    assigned beyond 0..2") && stdout(&output).contains("\n6 accepted\n"));
+}
+
+#[test]
+fn what_is_accepted_and_not_found_any_more_is_stale() {
+    let directory = Scratch::new("findings_stale");
+    let text = with("  accept silent from Off to Lost \"once\"\n").replace("and Hot and not Hot", "and Hot");
+    directory.write("m.chart", text);
+    let output = chartwright(directory.path(), "verify m.chart");
+    let said = stdout(&output);
+    assert!(said.contains("stale     accept silent from Off to Lost (line 37): fires in scan "), "{said}");
+    assert!(!said.contains("accepted"), "{said}");
+    // Behind any program nobody asks for transitions.
+    let output = chartwright(directory.path(), "verify m.chart --program any");
+    assert!(!stdout(&output).contains("stale"), "{}", stdout(&output));
+    let clean = STUCK.replace("  assume A1: never LampHot and prev(Go)\n", "").replace(
+        "  P1: always possible in(Off)\n  P2: always eventually in(Off)\n",
+        "  P1: never LAMP and not Go\n  accept acts S1 \"not so\"\n",
+    );
+    directory.write(
+        "s.chart",
+        clean.replace("  from Off to On when Go\n", "  from Off to On when Go\n  from On to Off when not Go\n"),
+    );
+    assert_eq!(code(&chartwright(directory.path(), "verify s.chart")), 0);
+    let output = chartwright(directory.path(), "verify s.chart --deny stale");
+    assert_eq!(code(&output), 1, "{}", stdout(&output));
+}
+
+#[test]
+fn what_cannot_be_accepted_is_refused() {
+    for (line, says) in [
+        ("accept silent from Off to On \"x\"", "2 transitions have these ends"),
+        ("accept silent from Off to On number 3 \"x\"", "2 transitions have these ends"),
+        ("accept silent from Lost to On \"x\"", "no transition with these ends"),
+        ("accept silent internal of Off \"x\"", "no transition with these ends"),
+        ("accept overlap from Off to Lost and from On to Off \"x\"", "only two transitions of one source"),
+        ("accept overlap from Off to Lost and from Off to Lost \"x\"", "only two transitions of one source"),
+        ("accept unreachable Nowhere \"x\"", "Nowhere"),
+        ("accept saturates Spare \"x\"", "not an integer"),
+        ("accept acts S9 \"x\"", "there is no constraint `S9`"),
+        ("accept void P1 \"x\"", "waits for nothing to come"),
+        ("accept void P9 \"x\"", "there is no property `P9`"),
+        ("accept acts S1 \"x\" accept acts S1 \"y\"", "accepted more than once"),
+    ] {
+        let (machine, diagnostics) = chartwright::pipeline::check(&with(&format!("  {line}\n")));
+        assert!(machine.is_none(), "{line}");
+        assert!(diagnostics.iter().any(|d| d.message.contains(says)), "{line}: {diagnostics:#?}");
+    }
+    // A reason is not left out.
+    let (machine, diagnostics) = chartwright::pipeline::check(&with("  accept acts S1\n"));
+    assert!(machine.is_none() && diagnostics.iter().any(|d| d.message.contains("text") || !d.labels.is_empty()));
+    // Names that begin like it are names.
+    assert!(chartwright::pipeline::check(&with("  accept: never HORN and not LAMP\n")).0.is_some());
+}
+
+#[test]
+fn properties_and_scenarios_ask_for_the_past_of_a_state() {
+    let text = |plant: &str, properties: &str, lines: &str| {
+        format!(
+            "machine Past cycle 10ms inputs {{ Push }} outputs {{ LAMP }} actuator Light onoff by LAMP
+             chart Lamp {{ initial state Dark state Lit {{ drives LAMP }} from Dark to Lit when Push from Lit to Dark when not Push }}
+             properties {{ {properties} }} {plant}
+             scenario \"by hand\" {{ wait 1 scan expect rise(in(Dark)) and not prev(in(Dark))
+               set Push wait 1 scan expect rise(in(Lit)) and fall(in(Dark)) and prev(in(Dark)) {lines}
+               wait 1 scan expect prev(in(Lit)) and not rise(in(Lit)) }}"
+        )
+    };
+    for plant in ["", "plant by steps { hidden Seen step \"seen\" when LAMP then set Seen }"] {
+        for (property, wanted) in [
+            ("never rise(in(Lit)) and not Push", Status::Holds),
+            ("never in(Lit) and prev(in(Dark)) and not Push", Status::Holds),
+            ("never fall(in(Lit)) and Push", Status::Holds),
+            ("never rise(in(Dark)) and prev(in(Dark))", Status::Holds),
+            ("never in(Lit) and prev(in(Lit))", Status::Violated),
+            ("never fall(in(Lit))", Status::Violated),
+            ("reachable rise(in(Lit)) and fall(in(Dark))", Status::Holds),
+            ("reachable rise(in(Dark)) and prev(in(Lit))", Status::Holds),
+        ] {
+            let source = text(plant, &format!("P1: {property}"), "");
+            let (verified, diagnostics) = verify(&source, &Options::default(), &|| false, &mut |_| {});
+            let verified = verified.unwrap_or_else(|| panic!("{diagnostics:?}"));
+            let answer = &verified.answers[0];
+            assert_eq!(answer.status, wanted, "{plant} {property}");
+            if let Some(run) = &answer.run {
+                assert_eq!(run.replayed, Some(true), "{plant} {property}");
+            }
+        }
+        let directory = Scratch::new(&format!("findings_past_{}", plant.len()));
+        directory.write("m.chart", text(plant, "P1: never rise(in(Lit)) and not Push", ""));
+        let output = chartwright(directory.path(), "test m.chart");
+        assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+        directory.write("m.chart", text(plant, "P1: never rise(in(Lit)) and not Push", "expect prev(in(Lit))"));
+        assert_eq!(code(&chartwright(directory.path(), "test m.chart")), 1);
+    }
+    // The program does not remember it.
+    let guard = text("", "P1: never LAMP", "").replace("when not Push", "when rise(in(Lit))");
+    assert!(chartwright::pipeline::check(&guard).0.is_none());
+}

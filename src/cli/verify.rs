@@ -7,6 +7,7 @@ use super::report::{FileReport, Report};
 use super::{Outcome, finish, needed, read, say, tell, usage};
 use crate::base::LineIndex;
 use crate::ir::chart::Machine;
+use crate::ir::scenario::Acceptance;
 use crate::pipeline::findings::{Findings, Place};
 use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Times, Verified};
 use crate::simulate::{tree, vcd};
@@ -23,6 +24,8 @@ const NODE: usize = 40;
 #[derive(Serialize)]
 struct Result {
     answers: Vec<JsonAnswer>,
+    /// What has become of accepted findings.
+    accepted: Vec<JsonAcceptance>,
     latches: usize,
     inputs: usize,
     /// A number that may be larger than a JSON reader takes.
@@ -57,6 +60,16 @@ struct JsonAnswer {
     /// The rungs that drove the outputs in question in the last scan.
     rungs: Option<String>,
     scenario: Option<String>,
+}
+
+/// A finding that the model accepts.
+#[derive(Serialize)]
+struct JsonAcceptance {
+    accept: String,
+    reason: String,
+    fate: Fate,
+    line: usize,
+    column: usize,
 }
 
 /// Something of the model: where it begins, from 1, the column in characters.
@@ -166,8 +179,8 @@ fn denied(deny: &[Deny]) -> Vec<Kind> {
         Deny::Overlap => vec![Kind::Overlap],
         Deny::Saturates => vec![Kind::Saturates],
         Deny::Acts => vec![Kind::Acts],
-        // That is no question about the whole machine.
-        Deny::Needless => Vec::new(),
+        // These are no questions about the whole machine.
+        Deny::Needless | Deny::Stale => Vec::new(),
         Deny::All => Kind::ALL.to_vec(),
     };
     deny.iter().flat_map(kinds).collect()
@@ -205,11 +218,12 @@ fn write(args: &Args, verified: &Verified) -> Vec<FileReport> {
 }
 
 /// One word for an answer. What is for people to judge is found or absent: that it holds would say the opposite of its kind.
-fn verdict(answer: &Answer) -> &'static str {
+fn verdict(machine: &Machine, answer: &Answer) -> &'static str {
     match (answer.status, answer.question.kind(), answer.demand) {
         (Status::Holds, None, _) => "holds",
         (Status::Violated, None, _) => "violated",
         (Status::Holds, Some(_), _) => "absent",
+        (Status::Violated, Some(_), _) if verify::accepted(machine, answer.question).is_some() => "accepted",
         (Status::Violated, Some(_), false) => "found",
         (Status::Violated, Some(_), true) => "denied",
         (Status::Unknown(_), ..) => "open",
@@ -228,7 +242,7 @@ fn engine(engine: Engine) -> &'static str {
 fn result(verified: &Verified, findings: &Findings<'_>, source: &str) -> Result {
     let answers = verified.answers.iter().map(|a| JsonAnswer {
         kind: a.question.word(),
-        verdict: verdict(a),
+        verdict: verdict(&verified.machine, a),
         says: findings.sentence(a),
         places: places(source, findings.places(a.question)),
         engine: engine(a.engine),
@@ -243,7 +257,14 @@ fn result(verified: &Verified, findings: &Findings<'_>, source: &str) -> Result 
         rungs: a.run.as_ref().and_then(|r| r.rungs.clone()),
         scenario: a.run.as_ref().filter(|_| a.demand).map(|r| r.scenario.clone()),
     });
+    let lines = LineIndex::new(source);
+    let accepted = fates(verified).map(|(acceptance, fate, _)| {
+        let (line, column) = lines.character(source, acceptance.span.range().start);
+        let (accept, reason) = (acceptance.written.clone(), acceptance.reason.clone());
+        JsonAcceptance { accept, reason, fate, line, column }
+    });
     Result {
+        accepted: accepted.collect(),
         answers: answers.collect(),
         latches: verified.latches,
         inputs: verified.inputs,
@@ -266,6 +287,51 @@ const COUNTED: [(&str, bool, &str); 7] = [
     ("acts", false, "constraints make the filter act"),
     ("void", false, "properties say nothing"),
 ];
+
+/// What has become of a finding that is accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Fate {
+    /// It is found.
+    Accepted,
+    /// It is not found any more.
+    Stale,
+    /// Nobody knows.
+    Unknown,
+    /// That is not asked here.
+    Unasked,
+}
+
+/// What has become of each accepted finding, with what is found now.
+fn fates<'v>(verified: &'v Verified) -> impl Iterator<Item = (&'v Acceptance, Fate, Option<&'v Answer>)> + 'v {
+    verified.machine.accepted.iter().map(|acceptance| {
+        let question = verify::about(acceptance);
+        let answer = verified.answers.iter().find(|a| a.question == question);
+        let fate = match answer.map(|a| a.status) {
+            Some(Status::Violated) => Fate::Accepted,
+            Some(Status::Holds) => Fate::Stale,
+            Some(Status::Unknown(_)) => Fate::Unknown,
+            // What cannot be found is not asked.
+            None if verified.answers.iter().any(|a| matches!(a.question, Question::Active(_))) => Fate::Stale,
+            None => Fate::Unasked,
+        };
+        (acceptance, fate, answer)
+    })
+}
+
+/// How many findings are accepted, and which acceptances have nothing to accept any more.
+fn acceptances(verified: &Verified, findings: &Findings<'_>) -> String {
+    let mut text = String::new();
+    let count = fates(verified).filter(|(_, fate, _)| *fate == Fate::Accepted).count();
+    if count > 0 {
+        let _ = writeln!(text, "{count} accepted");
+    }
+    for (acceptance, _, answer) in fates(verified).filter(|(_, fate, _)| *fate == Fate::Stale) {
+        let now = answer.map_or_else(|| "nothing of the kind can be found".to_owned(), |a| findings.sentence(a));
+        let _ = writeln!(text, "stale     {}: {now}", findings.acceptance(acceptance));
+    }
+    text
+}
 
 /// How many answers of each kind there are.
 fn counts(verified: &Verified) -> String {
@@ -293,10 +359,14 @@ fn human(verified: &Verified, findings: &Findings<'_>, transitions: &str, time: 
         // What all machines are asked is worth a line only where there is something to say.
         let own = matches!(a.question, Question::Declared(_) | Question::Assumable | Question::Moves);
         if a.status != Status::Holds || own {
-            let _ = writeln!(text, "{:<8}  {}", verdict(a), findings.sentence(a));
+            let word = verdict(machine, a);
+            if word != "accepted" {
+                let _ = writeln!(text, "{word:<8}  {}", findings.sentence(a));
+            }
         }
     }
     text += &counts(verified);
+    text += &acceptances(verified, findings);
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
         let run = a.run.as_ref().expect("a counterexample has a run");
         if !run.is_empty() {

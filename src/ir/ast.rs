@@ -5,7 +5,7 @@
 
 use super::expr::Expr;
 use super::number::{Comparison, Number};
-pub use super::property::{Property, PropertyKind};
+pub use super::property::{Acceptance, Accepted, Leads, Property, PropertyKind};
 use crate::base::Span;
 
 mod functions;
@@ -78,6 +78,8 @@ pub struct Machine {
     pub safety: Vec<Safety>,
     /// What stands in all `properties { … }`, in order.
     pub properties: Vec<Property>,
+    /// The findings that are accepted there.
+    pub accepted: Vec<Acceptance>,
     /// All `plant { … }` in order.
     pub plants: Vec<Plant>,
     /// All `scenario …` in order.
@@ -215,6 +217,12 @@ pub enum Term {
     Fall(PathRef),
     /// `in(State)`.
     In(PathRef),
+    /// `prev(in(State))`.
+    PrevIn(PathRef),
+    /// `rise(in(State))`.
+    RiseIn(PathRef),
+    /// `fall(in(State))`.
+    FallIn(PathRef),
     /// `done(State)`.
     DoneOf(PathRef),
     /// `done`: the source of this transition.

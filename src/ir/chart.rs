@@ -51,7 +51,7 @@
 
 use super::expr::Expr;
 use super::number::Comparison;
-use super::scenario::{Plant, Property, Scenario};
+use super::scenario::{Acceptance, Plant, Property, Scenario};
 use crate::base::{Arena, Id, Span};
 
 mod paths;
@@ -121,6 +121,8 @@ pub struct Machine {
     pub safety: Safety,
     /// What is said of all its runs, in order of declaration.
     pub properties: Vec<Property>,
+    /// The findings of verification that are accepted, each once.
+    pub accepted: Vec<Acceptance>,
     /// How the machine's parts react.
     pub plant: Plant,
     /// Tests of the machine, in order of declaration.

@@ -89,6 +89,7 @@ impl Writer<'_> {
                 None => writeln!(self.out, "{word} {}: {} {holds}", p.name, p.kind.words())?,
             }
         }
+        m.accepted.iter().try_for_each(|a| writeln!(self.out, "{}", a.written))?;
         self.plant()?;
         for s in &m.scenarios {
             let after = s.after.map(|a| format!(" after {:?}", m.scenarios[a].name)).unwrap_or_default();

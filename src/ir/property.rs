@@ -1,6 +1,7 @@
 //! What a model says of all runs of its machine, as it is written.
 
-use super::ast::{Guard, Name, Text};
+use super::ast::{Guard, Name, Path, Target, Text};
+use crate::base::Span;
 
 /// `P1: always possible E "…"`, `P2: after E eventually E "…"`, `assume F1: always eventually E "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,4 +47,47 @@ impl PropertyKind {
             PropertyKind::Eventually | PropertyKind::Fair => "always eventually",
         }
     }
+}
+
+/// `accept silent from Off to On "…"`: a finding of verification that is meant so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Acceptance {
+    /// What is accepted.
+    pub finding: Accepted,
+    /// All of it but the reason, as it is written.
+    pub written: String,
+    /// Why.
+    pub reason: Text,
+    /// From `accept` to the end of the reason.
+    pub span: Span,
+}
+
+/// A finding by what it speaks of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Accepted {
+    /// `unreachable S`.
+    Unreachable(Path),
+    /// `silent from A to B`.
+    Silent(Leads),
+    /// `overlap from A to B and from A to C`.
+    Overlap(Leads, Leads),
+    /// `saturates N`.
+    Saturates(Name),
+    /// `acts C`.
+    Acts(Name),
+    /// `void P`.
+    Void(Name),
+}
+
+/// `from A to B number 2`, `internal of A`: a transition by its ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Leads {
+    /// The state that it leaves.
+    pub source: Path,
+    /// Where it leads; nothing for an internal one.
+    pub target: Option<Target>,
+    /// Which of those with these ends, counted from 1; nothing if it is not said, or no number that there can be.
+    pub number: Option<(Option<u32>, Span)>,
+    /// Where.
+    pub span: Span,
 }

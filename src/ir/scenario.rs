@@ -35,7 +35,7 @@
 //! is looked at after each reading, writing and happening; what reads how it came to that, only after readings. Verification covers all courses; there an actuator that
 //! travels takes its way step by step among the happenings.
 
-use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark};
+use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark, StateId, TransitionId};
 use super::expr::Expr;
 use super::number::{Comparison, Number, Range};
 use crate::base::{Arena, Id, Span};
@@ -223,6 +223,8 @@ pub enum Seen {
     Bit(BitId),
     /// A hidden bit in the scan before.
     PrevBit(BitId),
+    /// Whether the state was active at the end of the scan before; FALSE in the first scan. The program does not know.
+    PrevIn(StateId),
     /// Whether a comparison of hidden integers holds.
     Compare(ComparedId),
     /// Whether the constraint had to act in this scan.
@@ -252,6 +254,36 @@ pub struct Property {
     pub text: String,
     /// Where its name stands.
     pub span: Span,
+}
+
+/// A finding of verification that is meant so.
+#[derive(Clone, Debug)]
+pub struct Acceptance {
+    /// Which.
+    pub finding: Accepted,
+    /// How a model says it, without the reason.
+    pub written: String,
+    /// Why it is meant so.
+    pub reason: String,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A finding by what it speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accepted {
+    /// The state is never active.
+    Unreachable(StateId),
+    /// The transition never fires.
+    Silent(TransitionId),
+    /// Only the order of the two decides; the one that is written first comes first.
+    Overlap(TransitionId, TransitionId),
+    /// The integer stops at a bound.
+    Saturates(IntegerId),
+    /// The filter acts for the constraint.
+    Acts(ConstraintId),
+    /// The property of that index says nothing.
+    Void(usize),
 }
 
 /// A test of the machine.
@@ -385,7 +417,7 @@ impl Comparison<Counted> {
 impl Seen {
     /// Whether it is of the scan before.
     pub fn is_past(self) -> bool {
-        matches!(self, Seen::PrevBit(_) | Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_)))
+        matches!(self, Seen::PrevBit(_) | Seen::PrevIn(_) | Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_)))
     }
 
     /// Whether it has a meaning in scans only, and none at a moment between two of them.
@@ -400,7 +432,12 @@ impl Machine {
         match seen {
             Seen::Bit(_) => true,
             Seen::Compare(c) => self.plant.comparisons[c].is_hidden(),
-            Seen::Machine(_) | Seen::PrevBit(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => false,
+            Seen::Machine(_)
+            | Seen::PrevBit(_)
+            | Seen::PrevIn(_)
+            | Seen::Mark(_)
+            | Seen::Acted(_)
+            | Seen::Broken(_) => false,
         }
     }
 
@@ -418,6 +455,7 @@ impl Machine {
             Seen::Machine(atom) => self.atom(atom),
             Seen::Bit(b) => self.plant.bits[b].name.clone(),
             Seen::PrevBit(b) => format!("prev({})", self.plant.bits[b].name),
+            Seen::PrevIn(s) => format!("prev(in({}))", self.state_path(s)),
             Seen::Compare(c) => {
                 let mut out = String::new();
                 let comparison = &self.plant.comparisons[c];

@@ -85,7 +85,7 @@ impl Writer {
             self.block(format_args!("{head}"), |w| w.body(&chart.body))?;
         }
         m.safety.iter().try_for_each(|s| self.safety(s))?;
-        if !m.properties.is_empty() {
+        if !m.properties.is_empty() || !m.accepted.is_empty() {
             self.block(format_args!("properties"), |w| {
                 m.properties.iter().try_for_each(|p| {
                     let assumed = if p.kind == PropertyKind::Fair { "assume " } else { "" };
@@ -96,7 +96,8 @@ impl Writer {
                         }
                         None => w.line(format_args!("{assumed}{name}: {} {holds}{text}", p.kind.words())),
                     }
-                })
+                })?;
+                m.accepted.iter().try_for_each(|a| w.line(format_args!("{}{}", a.written, quoted(&a.reason))))
             })?;
         }
         m.plants.iter().try_for_each(|p| self.plant(p))?;
@@ -452,6 +453,9 @@ fn expression(expr: &Expr<Term>) -> String {
         Term::Rise(p) => write!(f, "rise({})", path(p)),
         Term::Fall(p) => write!(f, "fall({})", path(p)),
         Term::In(p) => write!(f, "in({})", path(p)),
+        Term::PrevIn(p) => write!(f, "prev(in({}))", path(p)),
+        Term::RiseIn(p) => write!(f, "rise(in({}))", path(p)),
+        Term::FallIn(p) => write!(f, "fall(in({}))", path(p)),
         Term::DoneOf(p) => write!(f, "done({})", path(p)),
         Term::Alarm(p) => write!(f, "alarm({})", path(p)),
         Term::Acts(p) => write!(f, "acts({})", path(p)),

@@ -30,6 +30,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
         charts: Vec::new(),
         safety: Vec::new(),
         properties: Vec::new(),
+        accepted: Vec::new(),
         plants: Vec::new(),
         scenarios: Vec::new(),
     };
@@ -48,7 +49,7 @@ pub fn machine<'i>(file: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Machine {
             Rule::observer => tree.observers.push(observer(p, bad)),
             Rule::chart => tree.charts.push(chart(p, bad)),
             Rule::safety => tree.safety.push(safety(p, bad)),
-            Rule::properties => properties::properties(p, bad, &mut tree.properties),
+            Rule::properties => properties::properties(p, bad, &mut tree),
             Rule::plant => tree.plants.push(scenarios::plant(p, bad)),
             Rule::scenario => tree.scenarios.push(scenarios::scenario(p, bad)),
             Rule::bad_part => bad.push(p),
@@ -510,7 +511,7 @@ pub fn guard(p: Pair<'_, Rule>) -> Guard {
 }
 
 /// A condition as it is written, without comments and with one space where there are several. No text stands in it.
-fn on_one_line(written: &str) -> String {
+pub fn on_one_line(written: &str) -> String {
     let code = written.lines().map(|line| line.split_once("//").map_or(line, |(code, _)| code));
     code.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
@@ -578,9 +579,14 @@ fn primary(p: Pair<'_, Rule>) -> Expr<Term> {
         Rule::path => Expr::Atom(Term::Value(path_ref(inner))),
         Rule::call => {
             let mut parts = inner.into_inner();
-            let function = parts.next().expect("a call has a function").as_str().to_owned();
+            let function = parts.next().expect("a call has a function");
+            let of_state = function.as_rule() == Rule::past;
+            let function = function.as_str().to_owned();
             let argument = path_ref(parts.find(|p| p.as_rule() == Rule::path).expect("a call has an argument"));
             Expr::Atom(match function.as_str() {
+                "prev" if of_state => Term::PrevIn(argument),
+                "rise" if of_state => Term::RiseIn(argument),
+                "fall" if of_state => Term::FallIn(argument),
                 "prev" => Term::Prev(argument),
                 "rise" => Term::Rise(argument),
                 "fall" => Term::Fall(argument),

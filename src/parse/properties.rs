@@ -1,15 +1,17 @@
 //! The parser's pairs of properties to their syntax trees.
 
 use super::Rule;
-use super::build::{Bad, guard, name, text};
-use crate::ir::ast::{Property, PropertyKind};
+use super::build::{Bad, guard, name, on_one_line, path, span, text};
+use super::ways::target;
+use crate::ir::ast::{Acceptance, Accepted, Leads, Machine, Property, PropertyKind};
 use pest::iterators::Pair;
 
 /// `properties { … }`.
-pub fn properties<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Vec<Property>) {
+pub fn properties<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, into: &mut Machine) {
     for p in p.into_inner() {
         match p.as_rule() {
-            Rule::property | Rule::fairness => into.push(property(p)),
+            Rule::property | Rule::fairness => into.properties.push(property(p)),
+            Rule::acceptance => into.accepted.push(acceptance(p)),
             Rule::bad_property => bad.push(p),
             _ => {}
         }
@@ -51,4 +53,54 @@ fn property(p: Pair<'_, Rule>) -> Property {
         condition: condition.expect("a property has a condition"),
         text: description,
     }
+}
+
+fn acceptance(p: Pair<'_, Rule>) -> Acceptance {
+    let whole = span(&p);
+    let (mut finding, mut written, mut reason) = (None, String::new(), None);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::accepted => {
+                written = format!("accept {}", on_one_line(p.as_str()));
+                finding = Some(accepted(p));
+            }
+            Rule::text => reason = Some(text(p)),
+            _ => {}
+        }
+    }
+    let finding = finding.expect("something is accepted");
+    Acceptance { finding, written, reason: reason.expect("it has a reason"), span: whole }
+}
+
+fn accepted(p: Pair<'_, Rule>) -> Accepted {
+    let mut parts = p.into_inner();
+    let kind = parts.next().expect("it begins with its kind").as_rule();
+    let mut leading = parts.clone().filter(|p| p.as_rule() == Rule::leads).map(leads);
+    let mut next = || leading.next().expect("it names a transition");
+    let named = |mut parts: pest::iterators::Pairs<'_, Rule>| name(parts.next().expect("it names something"));
+    match kind {
+        Rule::kw_unreachable => Accepted::Unreachable(path(parts.next().expect("it names a state"))),
+        Rule::kw_silent => Accepted::Silent(next()),
+        Rule::kw_overlap => {
+            let first = next();
+            Accepted::Overlap(first, next())
+        }
+        Rule::kw_saturates => Accepted::Saturates(named(parts)),
+        Rule::kw_acts => Accepted::Acts(named(parts)),
+        _ => Accepted::Void(named(parts)),
+    }
+}
+
+fn leads(p: Pair<'_, Rule>) -> Leads {
+    let whole = span(&p);
+    let (mut source, mut to, mut number) = (None, None, None);
+    for p in p.into_inner() {
+        match p.as_rule() {
+            Rule::path => source = Some(path(p)),
+            Rule::target => to = Some(target(p)),
+            Rule::number => number = Some((p.as_str().parse().ok(), span(&p))),
+            _ => {}
+        }
+    }
+    Leads { source: source.expect("it names a state"), target: to, number, span: whole }
 }

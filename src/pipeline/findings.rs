@@ -7,7 +7,7 @@ use super::verify::{Answer, Question, Status, condition};
 use crate::base::{LineIndex, Span};
 use crate::ir::chart::{ConstraintId, Machine, TransitionId};
 use crate::ir::number::Range;
-use crate::ir::scenario::PropertyKind;
+use crate::ir::scenario::{Acceptance, PropertyKind};
 
 /// Something of a model of which an answer speaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -189,6 +189,11 @@ impl<'m> Findings<'m> {
 
     fn line(&self, span: Span) -> usize {
         self.lines.position(span.start).0
+    }
+
+    /// An accepted finding, with its line.
+    pub fn acceptance(&self, acceptance: &Acceptance) -> String {
+        format!("{} (line {})", acceptance.written, self.line(acceptance.span))
     }
 
     /// A property by its name and line, and what it says as it is written.

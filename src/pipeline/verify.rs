@@ -4,6 +4,7 @@ use super::{exactly, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
 use crate::ir::expr::{CHART, Expr};
+use crate::ir::scenario::{Acceptance, Accepted};
 use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::{Limit, Limits, Verdict};
@@ -148,7 +149,7 @@ pub fn verify(
                 }
             }
         };
-        let demand = options.demands(question);
+        let demand = options.demands(question) && accepted(subject.machine, question).is_none();
         answers.push(Answer { question, demand, status, engine: finding.engine, run });
     }
     verified.latches = subject.system.latches.len();
@@ -157,6 +158,23 @@ pub fn verify(
     verified.scans = report.scans;
     verified.answers = answers;
     (Some(verified), diagnostics)
+}
+
+/// Where a model accepts what a question may find.
+pub fn accepted(machine: &Machine, question: Question) -> Option<&Acceptance> {
+    machine.accepted.iter().find(|a| about(a) == question)
+}
+
+/// The question that finds what is accepted.
+pub fn about(acceptance: &Acceptance) -> Question {
+    match acceptance.finding {
+        Accepted::Unreachable(s) => Question::Active(s),
+        Accepted::Silent(t) => Question::Fires(t),
+        Accepted::Overlap(a, b) => Question::Together(a, b),
+        Accepted::Saturates(i) => Question::Beyond(i),
+        Accepted::Acts(c) => Question::Acts(c),
+        Accepted::Void(i) => Question::Arises(i),
+    }
 }
 
 /// The machine behind any program, if that is not what is asked for anyway: what holds there holds behind the charts.

@@ -56,6 +56,12 @@ fn leave_out(tree: &mut ast::Machine, names: &[String]) -> Diagnostics {
         });
         asks
     };
+    tree.accepted.retain(|a| !matches!(&a.finding, ast::Accepted::Acts(name) if is_out(&name.text)));
+    let gone: Vec<String> = {
+        let goes = |p: &&ast::Property| asks(&p.condition) || p.after.as_ref().is_some_and(asks);
+        tree.properties.iter().filter(goes).map(|p| iec::fold(&p.name.text)).collect()
+    };
+    tree.accepted.retain(|a| !matches!(&a.finding, ast::Accepted::Void(name) if gone.contains(&iec::fold(&name.text))));
     tree.properties.retain(|p| !asks(&p.condition) && !p.after.as_ref().is_some_and(asks));
     tree.scenarios.clear();
     diagnostics

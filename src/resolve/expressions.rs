@@ -50,6 +50,15 @@ impl Resolver {
             Term::Rise(path) => self.edge(path, context, true),
             Term::Fall(path) => self.edge(path, context, false),
             Term::In(path) => self.about_state(path, context, Atom::In),
+            Term::PrevIn(path) | Term::RiseIn(path) | Term::FallIn(path) => {
+                self.misplaced(
+                    "only properties and scenarios ask for the past of a state",
+                    path.span(),
+                    "not remembered here",
+                    "`in(STATE)` in a guard is from before the step; what is to be remembered longer needs a variable",
+                );
+                Expr::FALSE
+            }
             Term::DoneOf(path) if matches!(context, Context::Constraint | Context::Assumption) => {
                 self.knows_no_states(path, context)
             }
@@ -217,7 +226,7 @@ impl Resolver {
         if rising { Expr::all([before.not(), now]) } else { Expr::all([before, now.not()]) }
     }
 
-    fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
+    pub fn about_state(&mut self, path: &PathRef, context: &Context, atom: impl Fn(chart::StateId) -> Atom) -> Guard {
         let braces = match context {
             Context::Guard { braces, .. } | Context::Active { braces } => Some(*braces),
             Context::Constraint | Context::Assumption | Context::Expectation => self.outermost(&path.parts[0].0),

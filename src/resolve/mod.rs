@@ -18,6 +18,7 @@
 //! 9. [`properties`]: what is said of all runs
 //! 10. [`scenarios`]: tests of the machine, times in scans
 
+mod accepted;
 mod actuators;
 mod behaviour;
 mod expressions;
@@ -73,6 +74,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     safety::resolve(&mut resolver, tree);
     plant::resolve(&mut resolver, tree);
     properties::resolve(&mut resolver, tree);
+    accepted::resolve(&mut resolver, tree);
     scenarios::resolve(&mut resolver, tree);
     (resolver.machine, resolver.diagnostics)
 }

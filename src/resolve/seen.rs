@@ -5,7 +5,7 @@ use super::expressions::Context;
 use super::names::Symbol;
 use crate::base::{Code, Diagnostic, Span, iec, limits};
 use crate::ir::ast::{self, PathRef, Term, TimeUnit};
-use crate::ir::chart::{ActuatorId, ConstraintId, FilterMode, Mark};
+use crate::ir::chart::{ActuatorId, Atom, ConstraintId, FilterMode, Mark};
 use crate::ir::expr::Expr;
 use crate::ir::scenario::{BitId, Condition, Given, Seen};
 
@@ -27,6 +27,9 @@ impl Resolver {
             Term::Fall(path) if self.bit(path).is_some() => {
                 self.bit(path).map_or(Expr::FALSE, |b| Expr::all([before(b), now(b).not()]))
             }
+            Term::PrevIn(path) | Term::RiseIn(path) | Term::FallIn(path) if matches!(context, Context::Expectation) => {
+                self.past_of_state(term, path, context)
+            }
             Term::Alarm(path) if matches!(context, Context::Expectation) => self.alarm(path),
             Term::Acts(path) if matches!(context, Context::Expectation) => self.acts(path),
             Term::First(path) if matches!(context, Context::Expectation) => self.first(path),
@@ -42,6 +45,9 @@ impl Resolver {
             | Term::Rise(_)
             | Term::Fall(_)
             | Term::In(_)
+            | Term::PrevIn(_)
+            | Term::RiseIn(_)
+            | Term::FallIn(_)
             | Term::DoneOf(_)
             | Term::Done(_)
             | Term::Alarm(_)
@@ -49,6 +55,21 @@ impl Resolver {
             | Term::First(_)
             | Term::Blocked(_)
             | Term::After(_) => self.term(term, context).map(&mut |atom| Expr::Atom(Seen::Machine(*atom))),
+        }
+    }
+
+    /// What a state was in the scan before, or its edge.
+    fn past_of_state(&mut self, term: &Term, path: &PathRef, context: &Context) -> Condition {
+        let state = self.about_state(path, context, Atom::In);
+        let now = state.map(&mut |atom| Expr::Atom(Seen::Machine(*atom)));
+        let before = state.map(&mut |atom| match *atom {
+            Atom::In(s) => Expr::Atom(Seen::PrevIn(s)),
+            other => Expr::Atom(Seen::Machine(other)),
+        });
+        match term {
+            Term::RiseIn(_) => Expr::all([before.not(), now]),
+            Term::FallIn(_) => Expr::all([before, now.not()]),
+            _ => before,
         }
     }
 

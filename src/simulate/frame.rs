@@ -239,6 +239,7 @@ impl Layout {
             Seen::Machine(Atom::After(..)) => false,
             Seen::Bit(b) => now[self.bit(b)],
             Seen::PrevBit(b) => before[self.bit(b)],
+            Seen::PrevIn(s) => before[self.state(s)],
             Seen::Compare(c) => machine.plant.comparisons[c].holds(&|&i| self.counted(i, now)),
             Seen::Acted(c) => now[self.acted(c)],
             Seen::Broken(a) => now[self.broken(a)],

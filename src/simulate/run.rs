@@ -296,6 +296,7 @@ impl<'m> Run<'m> {
                 Seen::Machine(_)
                 | Seen::Bit(_)
                 | Seen::PrevBit(_)
+                | Seen::PrevIn(_)
                 | Seen::Acted(_)
                 | Seen::Mark(_)
                 | Seen::Broken(_) => {}

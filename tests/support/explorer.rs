@@ -247,6 +247,7 @@ impl<'m> Explorer<'m> {
             Seen::Compare(c) => of_the_plant &= self.machine.plant.comparisons[c].is_hidden(),
             Seen::Machine(Atom::PrevInput(_) | Atom::PrevOutput(_) | Atom::Event(_))
             | Seen::PrevBit(_)
+            | Seen::PrevIn(_)
             | Seen::Acted(_)
             | Seen::Broken(_) => of_a_scan = true,
             Seen::Machine(_) | Seen::Mark(_) => of_the_plant = false,

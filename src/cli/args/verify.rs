@@ -113,6 +113,8 @@ pub enum Deny {
     Saturates,
     /// A constraint for which the filter acts.
     Acts,
+    /// An `accept` in the model whose finding is not found any more.
+    Stale,
     /// A constraint that is not needed; asked with --needed.
     Needless,
     /// All of these.

@@ -95,6 +95,8 @@ pub struct View {
     pub counts: Vec<Vector>,
     /// For each output, its value in the scan before.
     pub past_outputs: Vec<Lit>,
+    /// For each state, whether it was active at the end of the scan before.
+    pub past_active: Vec<Lit>,
     /// What happens in the scan. What is remembered is that of the last scan where this is none.
     pub scan: ChartScan,
     /// Whether this is a scan, and what it is otherwise.
@@ -153,7 +155,7 @@ impl<'m> Subject<'m> {
         system.constraints.extend(scan.broken.iter().map(|&b| !b));
         let inputs = inputs.iter().zip(&before.inputs);
         let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
-        let past_outputs = before.outputs;
+        let (past_outputs, past_active) = (before.outputs, before.active);
         system.notable.clone_from(&scan.after.variables);
         if clocks.exact() {
             // Not all claims are asked, but it is from their states that a walk goes on.
@@ -161,7 +163,7 @@ impl<'m> Subject<'m> {
         }
         let timed = running.is_timed() || !open && clocks::waits(machine);
         let waits = turn.latches();
-        let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, scan, turn, begun };
+        let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, past_active, scan, turn, begun };
         let mut subject = Subject { machine, system, questions: Vec::new(), view, clocks, timed, outputs, waits };
         subject.ask_about_outputs(program);
         if program == Program::Chart {

@@ -216,7 +216,7 @@ impl Moving<'_> {
                 Counted::Hidden(c) => self.counts[c.index()].clone(),
                 Counted::Program(_) => unreachable!("a plant knows nothing of the program"),
             }),
-            Seen::Machine(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => {
+            Seen::Machine(_) | Seen::PrevIn(_) | Seen::Mark(_) | Seen::Acted(_) | Seen::Broken(_) => {
                 unreachable!("a plant knows nothing of the program")
             }
         })

@@ -197,7 +197,7 @@ impl Subject<'_> {
 fn reads_states(machine: &Machine, condition: &Condition) -> bool {
     let mut reads = false;
     condition.for_each_atom(&mut |seen| {
-        if let Seen::Machine(Atom::In(s) | Atom::Done(s)) = *seen {
+        if let Seen::Machine(Atom::In(s) | Atom::Done(s)) | Seen::PrevIn(s) = *seen {
             reads |= !machine.observes(s);
         }
     });
@@ -232,6 +232,7 @@ impl View {
             Seen::Machine(atom) => self.atom(aig, machine, atom),
             Seen::Bit(b) => self.bits[b.index()],
             Seen::PrevBit(b) => self.past_bits[b.index()],
+            Seen::PrevIn(s) => self.past_active[s.index()],
             Seen::Compare(c) => compare_of(aig, &machine.plant.comparisons[c], &|&counted| match counted {
                 Counted::Program(i) => self.scan.after.integers[i.index()].clone(),
                 Counted::Hidden(c) => self.counts[c.index()].clone(),

@@ -120,6 +120,7 @@ properties {
   P1: never OUT and BACK "says property 1"
   P2: after Go eventually Hot "says property 2"
   assume P3: always eventually Stop "says fairness 1"
+  accept acts C1 "says acceptance 1"
 }
 plant by steps {
   hidden Warmth "says hidden 1"
@@ -138,8 +139,8 @@ scenario "says scenario 1" {
 
 /// Rules of the grammar whose texts describe how the machine is tried out, and not what runs in the PLC
 /// (docs/language.md says so); `happens` repeats that of a happening.
-const NOT_IN_PROGRAMS: [&str; 9] =
-    ["hidden", "happening", "travel", "reaction", "scenario", "happens", "wait", "expect", "watch"];
+const NOT_IN_PROGRAMS: [&str; 10] =
+    ["acceptance", "hidden", "happening", "travel", "reaction", "scenario", "happens", "wait", "expect", "watch"];
 
 /// The rules of the grammar in which a text can stand.
 fn places() -> BTreeSet<String> {

@@ -133,10 +133,12 @@ pub fn run(args: &Args) -> Outcome {
     }
     let demanded = || verified.answers.iter().filter(|a| a.demand);
     let violated = demanded().any(|a| a.status == Status::Violated);
+    let stale = args.deny.iter().any(|deny| matches!(deny, Deny::Stale | Deny::All))
+        && fates(&verified).any(|(_, fate, _)| fate == Fate::Stale);
     // Who declares a property or denies something wants to know; what all machines are asked may stay open.
     let asked = |a: &&Answer| !matches!(a.question, Question::Assumable | Question::Moves);
     let open = demanded().filter(asked).any(|a| matches!(a.status, Status::Unknown(_)));
-    given.and(if violated || !written || verified.refusal.is_some() {
+    given.and(if violated || stale || !written || verified.refusal.is_some() {
         Outcome::Wrong
     } else if open {
         Outcome::Open

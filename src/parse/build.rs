@@ -341,7 +341,7 @@ pub fn item<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>, body: &mut Body) {
         }
         Rule::entry => body.entry.extend(p.into_inner().filter_map(effect)),
         Rule::exit => body.exit.extend(p.into_inner().filter_map(effect)),
-        Rule::internal => body.internals.push(internal(p)),
+        Rule::internal => body.internals.push(ways::internal(p)),
         Rule::bad_item | Rule::bad_outer_item => bad.push(p),
         _ => {}
     }
@@ -370,23 +370,7 @@ pub fn effect(p: Pair<'_, Rule>) -> Option<Effect> {
     Some(Effect { variable: variable.expect("an effect has a name"), value })
 }
 
-fn internal(p: Pair<'_, Rule>) -> Internal {
-    let whole = span(&p);
-    let (mut priority, mut condition, mut effects, mut description) = (None, None, Vec::new(), None);
-    for p in p.into_inner() {
-        match p.as_rule() {
-            Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
-            Rule::expression => condition = Some(guard(p)),
-            Rule::effect => effects.extend(effect(p)),
-            Rule::text => description = Some(text(p)),
-            _ => {}
-        }
-    }
-    let guard = condition.expect("an internal transition has a condition");
-    Internal { priority, guard, effects, description, span: whole }
-}
-
-pub fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
+fn named_condition(p: Pair<'_, Rule>) -> (Name, Option<Guard>) {
     let mut named = Name { text: String::new(), span: span(&p) };
     let mut condition = None;
     for p in p.into_inner() {

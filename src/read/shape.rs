@@ -1,4 +1,4 @@
-//! Whether a file says only what is interpreted: one pass over its tree against the table ([`schema`]).
+//! Whether a file says only what is interpreted: one pass over its tree against the table ([`schema`](super::schema)).
 //!
 //! What the table does not name at a place is refused, whoever would understand it. Where one element can be and
 //! two stand, one tool takes the first, another one the last. What has another namespace is seen by some. A

@@ -86,13 +86,23 @@ fn edges_rise_or_fall() {
     assert_eq!(read_as(&beremiz(&body("none"))), "B := A");
 }
 
-/// A block with one pin that a line enters.
+fn line(from: u32) -> String {
+    format!(r#"<connection refLocalId="{from}"/>"#)
+}
+
+/// A line from the output of a block, as Beremiz needs it: with its end.
+fn line_from_block(from: u32) -> String {
+    format!(r#"<connection refLocalId="{from}" formalParameter="Q"><position x="0" y="0"/></connection>"#)
+}
+
+/// A block with pins that lines enter; blocks have numbers from 10 on.
 fn block(number: u32, kind: &str, name: &str, pins: &[(&str, u32)]) -> String {
     let pins: String = pins
         .iter()
         .map(|(pin, from)| {
             format!(
-                r#"<variable formalParameter="{pin}"><connectionPointIn><connection refLocalId="{from}"/></connectionPointIn></variable>"#
+                r#"<variable formalParameter="{pin}"><connectionPointIn>{}</connectionPointIn></variable>"#,
+                if *from < 10 { line(*from) } else { line_from_block(*from) }
             )
         })
         .collect();
@@ -110,7 +120,8 @@ fn a_chain_of_blocks_has_a_greatest_length_and_a_row_has_none() {
         let blocks: String = (0..count)
             .map(|n| block(10 + n, "R_TRIG", &format!("E{n}"), &[("CLK", if nested && n > 0 { 9 + n } else { 1 })]))
             .collect();
-        let body = ladder(&[blocks, coil(5, &[9 + count], "A")]);
+        let point = format!("<connectionPointIn>{}</connectionPointIn>", line_from_block(9 + count));
+        let body = ladder(&[blocks, element("coil", 5, "", &[], &format!("{point}<variable>A</variable>"))]);
         read_as(&st::file(&variables, &body))
     };
     assert!(read(64, true).ends_with("A := E63.Q"), "{}", read(64, true));
@@ -125,12 +136,13 @@ fn a_number_comes_from_one_place() {
             r#"<block localId="4" typeName="TON" instanceName="On"><inputVariables><variable formalParameter="IN"><connectionPointIn><connection refLocalId="1"/></connectionPointIn></variable><variable formalParameter="PT"><connectionPointIn>{from}</connectionPointIn></variable></inputVariables><inOutVariables/><outputVariables><variable formalParameter="Q"/></outputVariables></block>"#
         )
     };
-    let line = |number: u32| format!(r#"<connection refLocalId="{number}"/>"#);
     let sum = r#"<block localId="3" typeName="ADD"><inputVariables><variable formalParameter="IN1"><connectionPointIn><connection refLocalId="2"/></connectionPointIn></variable></inputVariables><inOutVariables/><outputVariables><variable formalParameter="OUT"/></outputVariables></block>"#;
     let read = |from: &str| read_as(&beremiz(&ladder(&[value(2, "T#1s"), value(5, "D"), sum.into(), timer(from)])));
     assert_eq!(read(&line(2)), "Ton On in true preset 1000000");
     assert_eq!(read(&line(5)), "Ton On in true preset D");
-    assert_eq!(read("<expression>D</expression>"), "Ton On in true preset D");
+    let text = ladder(&[timer("<expression>D</expression>")]);
+    assert_eq!(read_as(&codesys(&text)), "Ton On in true preset D");
+    assert!(read_as(&beremiz(&text)).contains("expression in `connectionPointIn` is not understood"));
     for (from, reason) in [
         (line(2) + &line(5), "several lines into one input"),
         (line(3), "as the source of a number"),

@@ -1,6 +1,6 @@
 //! `models/invalid`: one wrong model for each code, and what the user reads about it.
 
-use crate::support::binary::{chartwright, code, stderr};
+use crate::support::binary::{chartwright, code, stderr, stdout};
 use crate::support::models::{COMPARED, assert_only, diagnose, listing, repository};
 use chartwright::base::Code;
 use std::fs;
@@ -57,6 +57,8 @@ fn what_the_user_reads() {
         let output = chartwright(&repository(MODELS), &command);
         assert_eq!(code(&output), i32::from(file.starts_with('E')), "{file}");
         let name = file.trim_end_matches(".chart").trim_end_matches(".xml");
-        settings.bind(|| insta::assert_snapshot!(name, stderr(&output)));
+        // Messages, then what is asked for: the table of a run.
+        let read = format!("{}\n{}", stderr(&output), stdout(&output));
+        settings.bind(|| insta::assert_snapshot!(name, read));
     }
 }

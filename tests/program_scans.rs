@@ -130,7 +130,7 @@ fn integers_in_a_proof_are_those_of_a_simulator() {
     };
     let boxed = |function: &str, inputs: &[(&str, u32)], to: &str, number: u32| {
         format!(
-            r#"<block localId="{number}" typeName="{function}"><inputVariables>{}</inputVariables><inOutVariables/><outputVariables><variable formalParameter="OUT"/></outputVariables></block><outVariable localId="{}"><connectionPointIn><connection refLocalId="{number}" formalParameter="OUT"/></connectionPointIn><expression>{to}</expression></outVariable>"#,
+            r#"<block localId="{number}" typeName="{function}"><inputVariables>{}</inputVariables><inOutVariables/><outputVariables><variable formalParameter="OUT"/></outputVariables></block><outVariable localId="{}"><connectionPointIn><connection refLocalId="{number}" formalParameter="OUT"><position x="0" y="0"/></connection></connectionPointIn><expression>{to}</expression></outVariable>"#,
             pins(inputs),
             number + 1
         )

@@ -76,6 +76,39 @@ fn every_word_is_refused_with_a_name_that_is_not() {
 }
 
 #[test]
+fn a_keyword_that_ends_something_is_in_no_name() {
+    let ends =
+        ["END_PROGRAM", "END_FUNCTION", "END_FUNCTION_BLOCK", "END_CONFIGURATION", "END_TRANSITION", "END_ACTION"];
+    for end in ends.into_iter().flat_map(|e| [e.to_owned(), e.to_ascii_lowercase(), e.replace("ND", "nd")]) {
+        for name in [format!("At_{end}"), format!("{end}_2"), format!("The{end}ner"), format!("{end}_{end}")] {
+            let broken = words::without_ends(&name);
+            assert!(words::clash(&name).is_some(), "{name}");
+            assert_eq!(words::clash(&broken), None, "{broken}");
+            let signals = format!(
+                "machine M inputs {{ {name} }} outputs {{ Q }} actuator L onoff by Q chart C {{ initial state S }}"
+            );
+            let (_, diagnostics) = pipeline::check(&signals);
+            let d = diagnostics.iter().find(|d| d.code.number() == "E107").expect("a refusal");
+            assert_eq!(d.help, [format!("call it `{broken}_I`, for example")]);
+        }
+        // States have a prefix, which leaves the keyword where it is.
+        let states = format!(
+            "machine M inputs {{ Go }} outputs {{ Q }} actuator L onoff by Q
+             chart C {{ initial state End {{ initial state Program  state {end} {{ drives Q }}
+               from Program to {end} when Go and after 1s }} state Endprogram from End to Endprogram when not Go }}"
+        );
+        for dialect in [Dialect::Beremiz, Dialect::Codesys] {
+            let options = Options { dialect, created: "2000-01-01T00:00:00".into(), prove: true };
+            let (output, diagnostics) = pipeline::build(&states, &options);
+            let xml = output.unwrap_or_else(|| panic!("{diagnostics:?}")).xml.to_ascii_uppercase();
+            for name in xml.split("NAME=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+                assert!(!ends.iter().any(|end| name.contains(end)), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_word_is_said_with_its_target_and_a_name_that_is_free() {
     let said = |name: &str, more: &str| {
         let source = format!(

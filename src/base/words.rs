@@ -12,6 +12,22 @@ pub fn clash(name: &str) -> Option<&'static str> {
     let word = fold(name);
     let what = known().get(word.as_str()).copied();
     what.or_else(|| typed(&word).then_some("a standard function of IEC 61131-3 for one type"))
+        .or_else(|| end_within(&word).map(|_| "a name around a keyword at which Beremiz ends a part of the program"))
+}
+
+/// `name` without the underscores that make keywords of its parts: `ENDPROGRAM_I` of `END_PROGRAM_I`.
+pub fn without_ends(name: &str) -> String {
+    let mut name = name.to_owned();
+    while let Some(at) = end_within(&name) {
+        name.remove(at + "END".len());
+    }
+    name
+}
+
+/// Where one of [`ENDS`] begins in a name.
+fn end_within(name: &str) -> Option<usize> {
+    let upper = name.to_ascii_uppercase();
+    ENDS.iter().find_map(|end| upper.find(end))
 }
 
 /// All words of the tables with what they are; [`typed`] ones are not among them.
@@ -63,6 +79,10 @@ const TABLES: &[(&str, &str)] = &[
     ("a word that Beremiz needs in the C code that it makes", MACROS),
     ("a word of C, of which Beremiz makes the program", C),
 ];
+
+/// Keywords that the scanner of Beremiz' compiler matiec looks for in the middle of names too, to find where what it
+/// passes over ends. Longer ones (`END_FUNCTION_BLOCK`) hold a shorter one.
+const ENDS: [&str; 5] = ["END_PROGRAM", "END_FUNCTION", "END_CONFIGURATION", "END_TRANSITION", "END_ACTION"];
 
 /// Keywords of textual and graphical languages, operators of IL and qualifiers of actions: IEC 61131-3, editions 2 (annex C)
 /// and 3 (table 4).

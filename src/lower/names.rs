@@ -3,7 +3,8 @@
 //! A generated name is a word that says what it is, `_`, and the path of what it stands for:
 //! `X_Automatic_Preparation_V_Down`. It depends on nothing but that path, so unrelated edits leave
 //! it alone. Where two paths read the same once dots have become underscores, where a name of the
-//! model is in the way, or where the path is too long, the name ends in a hash of the path.
+//! model is in the way, or where the path is too long, the name ends in a hash of the path. A keyword that ends something
+//! (`END_PROGRAM`) loses its underscore, wherever it stands.
 
 use crate::base::{iec, limits, words};
 use crate::ir::chart::{Machine, RegionId, StateId, TransitionId};
@@ -75,6 +76,7 @@ impl Names {
 
     /// `name`, or the nearest to it that is free and short enough.
     pub fn fixed(&mut self, name: &str) -> String {
+        let name = &words::without_ends(name);
         let mut wanted = shorten(name);
         let mut attempt = 0;
         while words::clash(&wanted).is_some() || !self.taken.insert(iec::fold(&wanted)) {

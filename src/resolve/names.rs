@@ -103,7 +103,8 @@ impl Resolver {
             let fits = proposed.len() <= limits::NAME_LENGTH && words::clash(proposed).is_none();
             fits && !self.names.symbols.contains_key(&iec::fold(proposed))
         };
-        let kept = &name[..name.len().min(limits::NAME_LENGTH - 5)];
+        let whole = words::without_ends(name);
+        let kept = &whole[..whole.len().min(limits::NAME_LENGTH - 5)];
         let numbered = (2..1000).map(|n| format!("{kept}_{letter}{n}"));
         let proposed = std::iter::once(format!("{kept}_{letter}")).chain(numbered).find(free);
         let help = proposed.map_or_else(|| "choose another name".to_owned(), |p| format!("call it `{p}`, for example"));

@@ -129,16 +129,12 @@ fn what_lies_too_deep_is_neither_proved_nor_refuted() {
 #[test]
 fn what_changes_nothing_is_proved() {
     assert_eq!(said(&[]), "proved");
-    assert_eq!(beside("N := SEL(N &lt; 9, 0, N + 1); LAMP := LAMP OR N &lt;&gt; N;"), "proved");
+    assert_eq!(beside("N := 2 + 3; LAMP := LAMP OR N &lt;&gt; N;"), "proved");
 }
 
 #[test]
 fn a_sum_that_may_leave_its_type_is_not_proved() {
-    for (text, place) in
-        [("N := N + 1; LAMP := LAMP OR N &lt;&gt; N;", "N + 1"), ("N := N - 1; LAMP := LAMP OR N &lt;&gt; N;", "N - 1")]
-    {
-        let said = beside(text);
-        assert!(said.starts_with("a sum may leave its type, where tools differ: "), "{said}");
-        assert!(said.contains(place), "{said}");
+    for text in ["N := N + 1; LAMP := LAMP OR N &lt;&gt; N;", "N := N - 1; LAMP := LAMP OR N &lt;&gt; N;"] {
+        assert_eq!(beside(text), "a sum may leave its type, where tools differ: what N becomes");
     }
 }

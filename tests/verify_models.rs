@@ -12,8 +12,9 @@ use chartwright::simulate::run::Program as Runs;
 use chartwright::simulate::scenario::play;
 use chartwright::verify::Limits;
 
+/// Times pass freely: exact ones are held against exploration in `verify_exactly`.
 fn options(open: bool) -> Options {
-    Options { open, ..Options::default() }
+    Options { open, times: Times::Free, ..Options::default() }
 }
 
 fn ask(text: &str, options: &Options) -> Verified {

@@ -99,8 +99,8 @@ pub fn run(args: &Args) -> Outcome {
         let (Some(machine), Some(file)) = (machine, report.files.last()) else { continue };
         let before = tests.len();
         play(&machine, file, args.filter.as_deref(), &mut tests);
-        if human {
-            let lines: String = tests[before..].iter().map(line).collect();
+        let lines: String = tests[before..].iter().map(line).collect();
+        if human && !lines.is_empty() {
             told = told.and(tell(&format!("{}\n{lines}", file.file)));
         }
     }

@@ -39,7 +39,7 @@ fn known() -> &'static BTreeMap<&'static str, &'static str> {
     static KNOWN: OnceLock<BTreeMap<&str, &str>> = OnceLock::new();
     KNOWN.get_or_init(|| {
         let mut known = BTreeMap::new();
-        // What stands in several is what the first one says.
+        // A word of several tables keeps the description of the first.
         for (what, table) in TABLES.iter().rev() {
             known.extend(table.split_whitespace().map(|word| (word, *what)));
         }
@@ -130,7 +130,7 @@ const BLOCKS: &str = "
     CTD CTU CTUD F_TRIG RS RTC R_TRIG SEMA SR TOF TON TP
 ";
 
-/// What the library of Beremiz' compiler matiec holds beyond the standard: the manual of matiec, "standard library".
+/// Blocks in the library of matiec, the compiler of Beremiz, beyond the standard: the manual of matiec, "standard library".
 const LIBRARY: &str = "
     DERIVATIVE HYSTERESIS INTEGRAL PID RAMP
 ";

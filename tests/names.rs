@@ -125,7 +125,7 @@ fn equal_states_of_two_charts_are_told_apart_wherever_they_are_shown() {
         assert_eq!(paths.len(), m.states.len(), "{paths:?}");
         assert!(paths.contains("Saw.Work.Dry") && paths.contains("Drill.Off"), "{paths:?}");
         let project = lower::lower(&m);
-        let table = emit::names::table(&project, &LineIndex::new(&source));
+        let table = emit::names::table(&project, &m, &LineIndex::new(&source));
         // In one program, or outside of all, nothing is said of two things.
         let mut seen = BTreeSet::new();
         for row in table.lines().skip(1) {

@@ -48,7 +48,7 @@ fn stages(model: &Model) -> [String; 7] {
         text::ladder(&project),
         emit::plcopen(&project, Dialect::Beremiz, &header),
         emit::plcopen(&project, Dialect::Codesys, &header),
-        names::table(&project, &LineIndex::new(&model.source)),
+        names::table(&project, &machine, &LineIndex::new(&model.source)),
     ]
 }
 

@@ -1,11 +1,12 @@
 //! The text form of PLC projects, and the table of names.
 
 use crate::support::plc;
-use chartwright::base::{LineIndex, Span};
+use chartwright::base::LineIndex;
 use chartwright::emit::names::table;
 use chartwright::ir::plc::{Body, Origin, Role};
 use chartwright::ir::sfc::Sfc;
 use chartwright::ir::text;
+use chartwright::pipeline;
 
 #[test]
 fn an_sfc_reads_like_a_list() {
@@ -72,16 +73,20 @@ fn a_ladder_reads_like_a_ladder() {
 
 #[test]
 fn a_name_leads_back_to_the_model() {
+    let source = "machine Small cycle 10ms\nvariables { b : BOOL }\nchart C { initial state Idle }\n";
+    let (machine, _) = pipeline::check(source);
+    let machine = machine.expect("there is a machine");
     let mut project = plc::project("Small");
     let g = plc::global(&mut project, "Odd", Role::Variable, None);
     project.globals[g].description = "says \"no\",\nthen yes".to_owned();
-    project.globals[g].origin = Origin { what: "variable odd".to_owned(), span: Some(Span::new(6, 9)) };
+    let b = machine.variables.ids().next().expect("it has a variable");
+    project.globals[g].origin = Origin::Variable(b);
     let mut sfc = Sfc::default();
     plc::step(&mut sfc, "Idle", None);
     plc::program(&mut project, "Region", Body::Sfc(sfc));
-    insta::assert_snapshot!(table(&project, &LineIndex::new("line\nb odd\n")), @r#"
+    insta::assert_snapshot!(table(&project, &machine, &LineIndex::new(source)), @r#"
     name,kind,program,model,line,column,description
-    Odd,variable,,variable odd,2,2,"says ""no"",
+    Odd,variable,,variable b,2,13,"says ""no"",
     then yes"
     P_Region,program,,,,,program Region
     I_Region,instance,P_Region,,,,program Region

@@ -81,7 +81,7 @@ fn headers(xml: &mut Xml, project: &Project, dialect: Dialect, header: &Header) 
         .attr_opt("contentDescription", header.remark.as_deref())
         .empty();
     xml.tag("contentHeader").attr("name", &project.name).attr("modificationDateTime", &header.created).with(|xml| {
-        let notes = project.notes.iter().map(|note| format!("{}: {}", note.origin.what, note.text));
+        let notes = project.notes.iter().map(|note| format!("{} {}: {}", note.kind, note.name, note.text));
         let machine = Some(project.description.clone()).filter(|text| !text.is_empty());
         let comment: Vec<String> = machine.into_iter().chain(notes).collect();
         if !comment.is_empty() {

@@ -14,25 +14,26 @@
 //! | `line`, `column` | where that is declared, counted from 1; empty if nowhere |
 //! | `description` | what it means |
 
-use crate::base::LineIndex;
+use crate::base::{LineIndex, Span};
+use crate::ir::chart::Machine;
 use crate::ir::plc::{Body, Origin, Project, Role};
 
-/// Writes the table of names of `project`, whose model's text `lines` was made from.
-pub fn table(project: &Project, lines: &LineIndex) -> String {
-    let mut table = Table { csv: String::from("name,kind,program,model,line,column,description\n"), lines };
+/// Writes the table of names of `project`, which was made from `machine`, whose text `lines` was made from.
+pub fn table(project: &Project, machine: &Machine, lines: &LineIndex) -> String {
+    let mut table = Table { csv: String::from("name,kind,program,model,line,column,description\n"), machine, lines };
     for global in project.globals.values() {
-        table.row(&global.name, role(global.role), "", &global.origin, &global.description);
+        table.part((&global.name, role(global.role), ""), global.origin, &global.description);
     }
     for program in &project.programs {
-        table.row(&program.name, "program", "", &program.origin, &program.description);
-        table.row(&program.instance, "instance", &program.name, &program.origin, &program.description);
+        table.part((&program.name, "program", ""), program.origin, &program.description);
+        table.part((&program.instance, "instance", &program.name), program.origin, &program.description);
         match &program.body {
             Body::Sfc(sfc) => {
                 for step in sfc.steps.values() {
-                    table.row(&step.name, "step", &program.name, &step.origin, &step.description);
+                    table.part((&step.name, "step", &program.name), step.origin, &step.description);
                 }
                 for t in sfc.transitions.iter().filter(|t| !t.description.is_empty()) {
-                    table.row("", "transition", &program.name, &t.origin, &t.description);
+                    table.part(("", "transition", &program.name), t.origin, &t.description);
                 }
             }
             Body::Ladder(ladder) => {
@@ -41,18 +42,17 @@ pub fn table(project: &Project, lines: &LineIndex) -> String {
                 for (rung, timer) in ladder.rungs.iter().filter_map(|r| Some((r, r.timer.as_ref()?))) {
                     if !seen.contains(&timer.instance.as_str()) {
                         seen.push(&timer.instance);
-                        table.row(&timer.instance, "timer", &program.name, &rung.origin, &rung.comment);
+                        table.part((&timer.instance, "timer", &program.name), rung.origin, &rung.comment);
                     }
                 }
             }
         }
     }
     if !project.description.is_empty() {
-        let what = Origin { what: format!("machine {}", project.name), span: None };
-        table.row("", "machine", "", &what, &project.description);
+        table.row(("", "machine", ""), &format!("machine {}", project.name), None, &project.description);
     }
     for note in &project.notes {
-        table.row("", note.kind, "", &note.origin, &note.text);
+        table.row(("", note.kind, ""), &format!("{} {}", note.kind, note.name), Some(note.span), &note.text);
     }
     table.csv
 }
@@ -80,19 +80,25 @@ fn role(role: Role) -> &'static str {
 
 struct Table<'a> {
     csv: String,
+    machine: &'a Machine,
     lines: &'a LineIndex,
 }
 
 impl Table<'_> {
-    fn row(&mut self, name: &str, kind: &str, program: &str, origin: &Origin, description: &str) {
-        let (line, column) = match origin.span {
+    /// A row for something that stands for a part of the model: its name, kind and program.
+    fn part(&mut self, what: (&str, &str, &str), origin: Origin, description: &str) {
+        self.row(what, &origin.says(self.machine), origin.span(self.machine), description);
+    }
+
+    fn row(&mut self, (name, kind, program): (&str, &str, &str), model: &str, span: Option<Span>, description: &str) {
+        let (line, column) = match span {
             Some(span) => {
                 let (line, column) = self.lines.position(span.start);
                 (line.to_string(), column.to_string())
             }
             None => Default::default(),
         };
-        for (i, field) in [name, kind, program, &origin.what, &line, &column, description].into_iter().enumerate() {
+        for (i, field) in [name, kind, program, model, &line, &column, description].into_iter().enumerate() {
             if i > 0 {
                 self.csv.push(',');
             }

@@ -19,6 +19,7 @@ pub mod iec;
 pub mod integer;
 pub mod ladder;
 pub mod number;
+pub mod origin;
 pub mod outline;
 pub mod plc;
 pub mod property;

@@ -10,6 +10,7 @@
 //! Each program is an [SFC](super::sfc) or a [ladder](super::ladder).
 
 use super::ladder::Ladder;
+pub use super::origin::Origin;
 use super::sfc::Sfc;
 use crate::base::{Arena, Id, Span};
 
@@ -38,10 +39,12 @@ pub struct Project {
 pub struct Note {
     /// What kind of thing it is, in one word.
     pub kind: &'static str,
+    /// Its name in the model.
+    pub name: String,
     /// What the model says of it.
     pub text: String,
-    /// What it is in the model.
-    pub origin: Origin,
+    /// Where it is declared.
+    pub span: Span,
 }
 
 /// A global variable.
@@ -73,7 +76,7 @@ pub enum Value {
 }
 
 /// What a global variable is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// Comes from the machine.
     Input,
@@ -107,16 +110,6 @@ pub enum Role {
     Scan,
     /// While a constraint is noted, the number of the scan in which that began.
     FirstScan,
-}
-
-/// What something in the project stands for in the model.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Origin {
-    /// In words and the model's names: `state InProduction.Automatic`; empty for what the
-    /// compiler needs for itself.
-    pub what: String,
-    /// Where that is declared.
-    pub span: Option<Span>,
 }
 
 /// One program.

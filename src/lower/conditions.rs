@@ -3,13 +3,13 @@
 //! Every method gives the global that stands for a question, and on the first asking makes it and
 //! its rung. All rungs run before the chart's step, on flags that the scan before has left.
 
-use super::context::{Condition, Conditions, Context, origin};
+use super::context::{Condition, Conditions, Context};
 use super::entries::{Read, When};
 use super::rungs::{self, rung};
 use crate::ir::chart::{OutputId, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Rung, Timer};
-use crate::ir::plc::{GlobalId, Role};
+use crate::ir::plc::{GlobalId, Origin, Role};
 
 /// From this many transitions out of one step on, their order is a chain of coils: pairwise
 /// exclusion would grow with the square.
@@ -22,8 +22,7 @@ impl Context<'_> {
             return id;
         }
         let signal = &self.globals[self.inputs[input]];
-        let (name, text, origin) =
-            (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin.clone());
+        let (name, text, origin) = (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin);
         let name = self.names.give("Was", &name);
         let id = self.global(name, Role::Condition, text, origin);
         self.conditions.previous.insert(input, id);
@@ -37,8 +36,7 @@ impl Context<'_> {
         }
         let now = self.outputs[output.index()];
         let signal = &self.globals[now];
-        let (name, text, origin) =
-            (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin.clone());
+        let (name, text, origin) = (signal.name.clone(), format!("{} in the scan before", signal.name), signal.origin);
         let name = self.names.give("Was", &name);
         let id = self.global(name, Role::Condition, text.clone(), origin);
         self.conditions.decided.insert(output, id);
@@ -57,7 +55,7 @@ impl Context<'_> {
         let name = self.names.state("In", state);
         let text = format!("{path} was active when the scan began");
         let flag = Expr::Atom(self.flags[state.index()]);
-        let id = self.latch(name, text, format!("in({path})"), state, &flag);
+        let id = self.latch(name, text, Origin::Active(state), &flag);
         self.conditions.active.insert(state, id);
         id
     }
@@ -71,7 +69,7 @@ impl Context<'_> {
         let name = self.names.state("Done", state);
         let text = format!("{path} was done when the scan began");
         let condition = self.done_by_flags(state);
-        let id = self.latch(name, text, format!("done({path})"), state, &condition);
+        let id = self.latch(name, text, Origin::Done(state), &condition);
         self.conditions.done.insert(state, id);
         id
     }
@@ -86,12 +84,7 @@ impl Context<'_> {
         let name = self.names.state(&format!("After{ms}ms"), state);
         let instance = self.names.state(&format!("TON{ms}ms"), state);
         let text = format!("{path} has been active for {ms} ms");
-        let id = self.global(
-            name,
-            Role::Condition,
-            text.clone(),
-            origin(format!("after({path}, {ms}ms)"), self.machine.states[state].span),
-        );
+        let id = self.global(name, Role::Condition, text.clone(), Origin::After(state, ms));
         self.conditions.elapsed.insert((state, ms), (id, instance.clone()));
         let flag = Expr::Atom(self.flags[state.index()]);
         let mut rungs = std::mem::take(&mut self.conditions.timing);
@@ -100,8 +93,8 @@ impl Context<'_> {
         id
     }
 
-    fn latch(&mut self, name: String, text: String, what: String, state: StateId, condition: &Condition) -> GlobalId {
-        let id = self.global(name, Role::Condition, text.clone(), origin(what, self.machine.states[state].span));
+    fn latch(&mut self, name: String, text: String, origin: Origin, condition: &Condition) -> GlobalId {
+        let id = self.global(name, Role::Condition, text.clone(), origin);
         let mut rungs = std::mem::take(&mut self.conditions.latches);
         rung(self, &mut rungs, (id, CoilKind::Plain), condition, text);
         self.conditions.latches = rungs;
@@ -113,9 +106,9 @@ impl Context<'_> {
         if let Some(&id) = self.conditions.enabled.get(&transition) {
             return id;
         }
-        let (name, what, span) = self.about("En", transition);
+        let name = self.names.transition("En", transition);
         let text = self.says_of(transition, "is enabled");
-        let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+        let id = self.global(name, Role::Condition, text.clone(), Origin::Transition(transition));
         self.conditions.enabled.insert(transition, id);
         let t = &self.machine.transitions[transition];
         let source = Expr::Atom(self.flags[t.source.index()]);
@@ -157,12 +150,7 @@ impl Context<'_> {
             let path = self.machine.region_path(region);
             let name = self.names.region("Bar", region);
             let text = format!("a transition further out leaves {path}");
-            let id = self.global(
-                name,
-                Role::Condition,
-                text.clone(),
-                origin(format!("region {path}"), self.machine.regions[region].span),
-            );
+            let id = self.global(name, Role::Condition, text.clone(), Origin::Region(region));
             let condition = Expr::any(reasons);
             let mut rungs = std::mem::take(&mut self.conditions.ranking);
             rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
@@ -186,9 +174,9 @@ impl Context<'_> {
         if let Some(&id) = self.conditions.fires.get(&transition) {
             return id;
         }
-        let (name, what, span) = self.about("Go", transition);
+        let name = self.names.transition("Go", transition);
         let text = self.says_of(transition, "fires");
-        let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+        let id = self.global(name, Role::Condition, text.clone(), Origin::Transition(transition));
         self.conditions.fires.insert(transition, id);
         let t = &self.machine.transitions[transition];
         let state = self.machine.child_in(t.scope, t.source).expect("the scope holds the source");
@@ -219,9 +207,9 @@ impl Context<'_> {
         let (mut next, mut chain) = known.map_or((0, None), |(i, id)| (i + 1, Some(id)));
         while next <= last {
             let one = Expr::Atom(self.enabled(rivals[next]));
-            let (name, what, span) = self.about("Any", rivals[next]);
-            let text = format!("{what} or one tried before it is enabled");
-            let id = self.global(name, Role::Condition, text.clone(), origin(what, span));
+            let name = self.names.transition("Any", rivals[next]);
+            let text = format!("{} or one tried before it is enabled", self.about_transition(rivals[next]));
+            let id = self.global(name, Role::Condition, text.clone(), Origin::Transition(rivals[next]));
             let condition = Expr::any(chain.map(Expr::Atom).into_iter().chain([one]));
             let mut rungs = std::mem::take(&mut self.conditions.ranking);
             rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
@@ -241,12 +229,7 @@ impl Context<'_> {
         let path = self.machine.state_path(state);
         let name = self.names.state("Ent", state);
         let text = format!("a transition enters {path}");
-        let id = self.global(
-            name,
-            Role::Condition,
-            text.clone(),
-            origin(format!("state {path}"), self.machine.states[state].span),
-        );
+        let id = self.global(name, Role::Condition, text.clone(), Origin::State(state));
         self.conditions.entered.insert(state, id);
         let condition = self.some_enters(by);
         let mut rungs = std::mem::take(&mut self.conditions.entering);
@@ -267,8 +250,7 @@ impl Context<'_> {
         let path = self.machine.state_path(state);
         let name = self.names.state("Again", state);
         let text = format!("{path} is left and entered again");
-        let place = origin(format!("state {path}"), self.machine.states[state].span);
-        let id = self.global(name, Role::Condition, text.clone(), place);
+        let id = self.global(name, Role::Condition, text.clone(), Origin::State(state));
         self.conditions.again.insert(state, id);
         let enters = self.some_enters(&by);
         let mut rungs = std::mem::take(&mut self.conditions.entering);
@@ -301,12 +283,7 @@ impl Context<'_> {
         let path = self.machine.state_path(state);
         let name = self.names.state("Last", state);
         let text = format!("{path} is where its region is or was last");
-        let id = self.global(
-            name,
-            Role::History,
-            text,
-            origin(format!("history of {path}"), self.machine.states[state].span),
-        );
+        let id = self.global(name, Role::History, text, Origin::Last(state));
         self.conditions.last.insert(state, id);
         id
     }
@@ -320,8 +297,7 @@ impl Context<'_> {
         let path = machine.region_path(region);
         let name = self.names.region("Left", region);
         let text = format!("{path} has been left or is active, and has not ended");
-        let origin = origin(format!("history of {path}"), machine.regions[region].span);
-        let id = self.global(name, Role::Condition, text.clone(), origin);
+        let id = self.global(name, Role::Condition, text.clone(), Origin::Unfinished(region));
         self.conditions.unfinished.insert(region, id);
         let states = machine.regions[region].states.iter().copied();
         let states = states.filter(|&s| machine.states[s].kind != StateKind::Final);
@@ -335,12 +311,6 @@ impl Context<'_> {
     /// Whether the order of the transitions that leave a step is decided by coils.
     pub fn is_chained(&self, rivals: &[TransitionId]) -> bool {
         rivals.len() > CHAINED
-    }
-
-    fn about(&mut self, word: &str, transition: TransitionId) -> (String, String, crate::base::Span) {
-        let what = self.about_transition(transition);
-        let t = &self.machine.transitions[transition];
-        (self.names.transition(word, transition), what, t.span)
     }
 }
 
@@ -363,10 +333,9 @@ fn restarts(context: &mut Context<'_>) -> Vec<Rung> {
     for ((state, ms), (_, instance)) in context.conditions.elapsed.clone() {
         let Some(again) = context.again(state) else { continue };
         let path = context.machine.state_path(state);
-        let place = origin(format!("after({path}, {ms}ms)"), context.machine.states[state].span);
         let name = context.names.state(&format!("Still{ms}ms"), state);
         let text = format!("{path} has been active for {ms} ms and is not entered again");
-        let coil = context.global(name, Role::Condition, text.clone(), place);
+        let coil = context.global(name, Role::Condition, text.clone(), Origin::After(state, ms));
         let running = Expr::all([Expr::Atom(context.flags[state.index()]), Expr::Atom(again).not()]);
         rungs::timer(context, &mut rungs, coil, Timer { instance, preset: ms }, &running, text);
     }
@@ -397,7 +366,7 @@ pub fn previous_values(context: &mut Context<'_>) -> Vec<Rung> {
         let signal = context.inputs[input];
         let now_name = context.names.give("Now", &context.globals[signal].name.clone());
         let text = format!("{} for the next scan", context.globals[signal].name);
-        let kept = context.globals[signal].origin.clone();
+        let kept = context.globals[signal].origin;
         let now = context.global(now_name, Role::Condition, text.clone(), kept);
         let then = Expr::any([
             Expr::all([Expr::Atom(started), Expr::Atom(now)]),

@@ -3,7 +3,7 @@
 use super::entries::Entries;
 use super::integers::Integers;
 use super::names::Names;
-use crate::base::{Arena, Span};
+use crate::base::Arena;
 use crate::ir::chart::{Atom, ChartKind, Guard, Machine, OutputId, Phase, RegionId, StateId, StateKind, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::Rung;
@@ -83,21 +83,20 @@ impl<'m> Context<'m> {
             integers: Integers::default(),
         };
         context.signals();
-        for v in machine.variables.values() {
-            let origin = origin(format!("variable {}", v.name), v.span);
-            let id = context.globals.push(Global {
+        for (id, v) in machine.variables.iter() {
+            let global = context.globals.push(Global {
                 name: v.name.clone(),
                 address: None,
                 initial: Value::Bool(v.initial),
                 role: Role::Variable,
                 description: v.description.clone(),
-                origin,
+                origin: Origin::Variable(id),
             });
-            context.variables.push(id);
+            context.variables.push(global);
         }
-        for e in machine.events.values() {
-            let origin = origin(format!("event {}", e.name), e.span);
-            let now = context.global(e.name.clone(), Role::Event, e.description.clone(), origin.clone());
+        for (id, e) in machine.events.iter() {
+            let origin = Origin::Event(id);
+            let now = context.global(e.name.clone(), Role::Event, e.description.clone(), origin);
             let name = context.names.give("Raise", &e.name);
             let next = context.global(name, Role::Condition, format!("{} is raised for the next scan", e.name), origin);
             context.events.push((now, next));
@@ -108,7 +107,7 @@ impl<'m> Context<'m> {
             let path = machine.state_path(id);
             let text =
                 if state.description.is_empty() { format!("{path} is active") } else { state.description.clone() };
-            let flag = context.global(name, Role::StepFlag, text, origin(format!("state {path}"), state.span));
+            let flag = context.global(name, Role::StepFlag, text, Origin::State(id));
             context.flags.push(flag);
         }
         context
@@ -116,21 +115,24 @@ impl<'m> Context<'m> {
 
     fn signals(&mut self) {
         let machine = self.machine;
-        let inputs = machine.inputs.values().map(|i| (&i.name, &i.address, &i.description, i.span, Role::Input));
-        let outputs = machine.outputs.values().map(|o| (&o.name, &o.address, &o.description, o.span, Role::Output));
+        let inputs =
+            machine.inputs.iter().map(|(id, i)| (&i.name, &i.address, &i.description, Origin::Input(id), Role::Input));
+        let outputs = machine
+            .outputs
+            .iter()
+            .map(|(id, o)| (&o.name, &o.address, &o.description, Origin::Output(id), Role::Output));
         let signals: Vec<_> = inputs.chain(outputs).collect();
         let mut ids = vec![None; signals.len()];
         for located in [true, false] {
-            for (i, (name, address, description, span, role)) in signals.iter().enumerate() {
+            for (i, (name, address, description, origin, role)) in signals.iter().enumerate() {
                 if address.is_some() == located {
-                    let what = if *role == Role::Input { "input" } else { "output" };
                     ids[i] = Some(self.globals.push(Global {
                         name: (*name).clone(),
                         address: (*address).clone(),
                         initial: Value::Bool(false),
                         role: *role,
                         description: (*description).clone(),
-                        origin: origin(format!("{what} {name}"), *span),
+                        origin: *origin,
                     }));
                 }
             }
@@ -206,13 +208,7 @@ impl<'m> Context<'m> {
 
     /// A transition in words.
     pub fn about_transition(&self, transition: TransitionId) -> String {
-        let t = &self.machine.transitions[transition];
-        let source = self.machine.state_path(t.source);
-        if t.internal {
-            format!("internal transition of {source}")
-        } else {
-            format!("transition {source} -> {}", self.machine.destination(transition))
-        }
+        Origin::Transition(transition).says(self.machine)
     }
 
     /// What is the case with a transition, and why the transition is there.
@@ -234,9 +230,4 @@ impl<'m> Context<'m> {
 /// A text of the compiler, and that of the model if there is one.
 pub fn with_reason(text: String, reason: &str) -> String {
     if reason.is_empty() { text } else { format!("{text}: {reason}") }
-}
-
-/// What stands at a place of the model.
-pub fn origin(what: String, span: Span) -> Origin {
-    Origin { what, span: Some(span) }
 }

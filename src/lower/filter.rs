@@ -15,13 +15,12 @@
 mod memory;
 mod order;
 
-use super::context::{Condition, Context, origin};
+use super::context::{Condition, Context};
 use super::rungs::rung;
-use crate::base::Span;
 use crate::ir::chart::{Atom, ConstraintId, FilterMode, OutputId, Relief};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder, Rung};
-use crate::ir::plc::{GlobalId, Role};
+use crate::ir::plc::{GlobalId, Origin, Role};
 use crate::ir::relief::{Combined, Reliefs};
 use crate::ir::sop::Product;
 use std::collections::BTreeMap;
@@ -87,30 +86,23 @@ impl Filter {
         context: &mut Context<'_>,
         name: (&str, &str),
         role: Role,
-        about: (String, Span),
+        origin: Origin,
         text: String,
         condition: &Condition,
     ) -> GlobalId {
         let name = context.names.give(name.0, name.1);
-        let id = context.global(name, role, text.clone(), origin(about.0, about.1));
+        let id = context.global(name, role, text.clone(), origin);
         rung(context, &mut self.rungs, (id, CoilKind::Plain), condition, text);
         id
     }
 
     fn assumptions(&mut self, context: &mut Context<'_>) {
         let machine = context.machine;
-        for a in &machine.safety.assumptions {
+        for (i, a) in machine.safety.assumptions.iter().enumerate() {
             let sum = a.products.iter().map(|p| self.product(context, p)).collect::<Vec<_>>();
             let text =
                 if a.text.is_empty() { format!("the plant breaks assumption {}", a.name) } else { a.text.clone() };
-            self.coil(
-                context,
-                ("Broken", &a.name),
-                Role::Alarm,
-                (format!("assumption {}", a.name), a.span),
-                text,
-                &Expr::any(sum),
-            );
+            self.coil(context, ("Broken", &a.name), Role::Alarm, Origin::Assumption(i), text, &Expr::any(sum));
         }
     }
 
@@ -131,8 +123,8 @@ impl Filter {
             let (word, verb) = if value { ("Keep", "holds") } else { ("Ban", "forbids") };
             let reason = if constraint.text.is_empty() { String::new() } else { format!(": {}", constraint.text) };
             let text = format!("{} {verb} {name}{reason}", constraint.name);
-            let about = (format!("constraint {}", constraint.name), constraint.span);
-            let coil = self.coil(context, (word, &path), Role::Filter, about, text, &Expr::any(conditions));
+            let coil =
+                self.coil(context, (word, &path), Role::Filter, Origin::Constraint(id), text, &Expr::any(conditions));
             forced.entry((output, value)).or_default().push(Expr::Atom(coil));
             let command = Expr::Atom(self.taken[output.index()]);
             let against = if value { command.not() } else { command };
@@ -141,9 +133,15 @@ impl Filter {
         for ((output, value), conditions) in forced {
             let signal = &machine.outputs[output];
             let (word, text) = if value { ("On", "must stay on") } else { ("Off", "must be off") };
-            let about = (format!("output {}", signal.name), signal.span);
             let text = format!("{} {text}", signal.name);
-            let coil = self.coil(context, (word, &signal.name), Role::Filter, about, text, &Expr::any(conditions));
+            let coil = self.coil(
+                context,
+                (word, &signal.name),
+                Role::Filter,
+                Origin::Output(output),
+                text,
+                &Expr::any(conditions),
+            );
             let slot = if value { &mut self.on } else { &mut self.off };
             slot[output.index()] = Some(coil);
         }
@@ -164,8 +162,14 @@ impl Filter {
             }
             let condition = self.product(context, &c.product);
             let text = format!("{} would be violated in round {}", constraint.name, round + 1);
-            let about = (format!("constraint {}", constraint.name), constraint.span);
-            let hit = self.coil(context, (&format!("Hit{}", round + 1), &path), Role::Filter, about, text, &condition);
+            let hit = self.coil(
+                context,
+                (&format!("Hit{}", round + 1), &path),
+                Role::Filter,
+                Origin::Constraint(c.constraint),
+                text,
+                &condition,
+            );
             self.alarms[c.constraint.index()].push(Expr::Atom(hit));
             for &(output, value) in &c.reliefs {
                 relieved.entry((output, value)).or_default().push(Expr::Atom(hit));
@@ -177,12 +181,11 @@ impl Filter {
             let condition = Expr::any(so_far.map(Expr::Atom).into_iter().chain(hits));
             let (word, text) = if value { ("Raise", "goes on") } else { ("Yield", "goes off") };
             let text = format!("{} {text} after {} round{}", signal.name, round + 1, if round == 0 { "" } else { "s" });
-            let about = (format!("output {}", signal.name), signal.span);
             let coil = self.coil(
                 context,
                 (&format!("{word}{}", round + 1), &signal.name),
                 Role::Filter,
-                about,
+                Origin::Output(output),
                 text,
                 &condition,
             );
@@ -216,8 +219,14 @@ impl Filter {
             condition => {
                 let signal = &context.machine.outputs[output];
                 let text = format!("{} as selected in round {}", signal.name, round + 1);
-                let about = (format!("output {}", signal.name), signal.span);
-                self.coil(context, (&format!("Sel{}", round + 1), &signal.name), Role::Filter, about, text, &condition)
+                self.coil(
+                    context,
+                    (&format!("Sel{}", round + 1), &signal.name),
+                    Role::Filter,
+                    Origin::Output(output),
+                    text,
+                    &condition,
+                )
             }
         };
         self.selected[output.index()] = Some(coil);
@@ -242,8 +251,14 @@ impl Filter {
             } else {
                 constraint.text.clone()
             };
-            let about = (format!("constraint {}", constraint.name), constraint.span);
-            flags.push(self.coil(context, (word, &constraint.name), role, about, text, &Expr::any(reasons)));
+            flags.push(self.coil(
+                context,
+                (word, &constraint.name),
+                role,
+                Origin::Constraint(id),
+                text,
+                &Expr::any(reasons),
+            ));
         }
         flags
     }

@@ -12,7 +12,7 @@
 //! for each integer, by SEL, the value that belongs to what has happened, the last one last. So all values are those from
 //! before the step, whatever is assigned to whatever. What is written in no scan needs no half.
 
-use super::context::{Context, origin};
+use super::context::Context;
 use super::rungs::rung;
 use crate::ir::chart::{Assignment, ChartKind, ComparisonId, Deeds, IntegerId, Machine, Phase, StateId, TransitionId};
 use crate::ir::expr::Expr;
@@ -42,16 +42,16 @@ pub struct Integers {
 impl Context<'_> {
     /// Makes the globals of all integers.
     pub fn integers(&mut self) {
-        for i in self.machine.integers.values() {
-            let id = self.globals.push(Global {
+        for (id, i) in self.machine.integers.iter() {
+            let global = self.globals.push(Global {
                 name: i.name.clone(),
                 address: None,
                 initial: Value::Int(int(i.initial)),
                 role: Role::Variable,
                 description: i.description.clone(),
-                origin: origin(format!("integer {}", i.name), i.span),
+                origin: Origin::Integer(id),
             });
-            self.integers.globals.push(id);
+            self.integers.globals.push(global);
         }
         self.integers.controlled = written(self.machine, &happenings(self.machine, ChartKind::Control, Phase::Start));
     }
@@ -111,14 +111,8 @@ impl Context<'_> {
     fn compare(&mut self, rungs: &mut Vec<Rung>, comparison: ComparisonId, word: &str, text: String) -> GlobalId {
         let machine = self.machine;
         let Comparison { left, relation, right } = &machine.comparisons[comparison];
-        let what = machine.comparison(comparison);
         let name = self.names.give(word, &spelt(machine, &machine.comparisons[comparison]));
-        let mut span = None;
-        for side in [left, right] {
-            side.for_each_value(&mut |&i| span = span.or(Some(machine.integers[i].span)));
-        }
-        let place = Origin { what: format!("comparison {what}"), span };
-        let result = self.global(name.clone(), Role::Condition, text.clone(), place);
+        let result = self.global(name.clone(), Role::Condition, text.clone(), Origin::Comparison(comparison));
         let mut sums = Sums { base: name, count: 0, of: result };
         let left = self.operand(rungs, left, &mut sums);
         let right = self.operand(rungs, right, &mut sums);
@@ -160,7 +154,7 @@ impl Context<'_> {
         of: GlobalId,
         text: String,
     ) -> Operand {
-        let origin = self.globals[of].origin.clone();
+        let origin = self.globals[of].origin;
         let initial = Value::Int(0);
         let description = text.clone();
         let role = Role::Interim;
@@ -185,7 +179,7 @@ impl Context<'_> {
             function: Some(Function { operator, operands }),
             coil,
             kind: CoilKind::Plain,
-            origin: self.globals[coil].origin.clone(),
+            origin: self.globals[coil].origin,
         });
     }
 }
@@ -314,7 +308,7 @@ impl Happening<'_> {
             return None;
         }
         let name = context.names.state(word, state);
-        let place = origin(format!("state {}", machine.state_path(state)), machine.states[state].span);
+        let place = Origin::State(state);
         let id = context.global(name, Role::Condition, self.what.clone(), place);
         rung(context, rungs, (id, CoilKind::Plain), &condition, self.what.clone());
         Some(id)

@@ -80,7 +80,7 @@ pub fn lower(machine: &Machine) -> Project {
             instance: context.names.fixed(&format!("I_{name}")),
             description: description.into(),
             body: Body::Ladder(Ladder { rungs }),
-            origin: Origin::default(),
+            origin: Origin::Own,
         });
     };
     let p = &mut programs;

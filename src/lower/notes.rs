@@ -1,7 +1,6 @@
 //! Texts of the model on what the program has no name for: charts of several regions, actuators, their
 //! positions, properties.
 
-use super::context::origin;
 use crate::base::Span;
 use crate::ir::chart::{ChartKind, Machine};
 use crate::ir::plc::Note;
@@ -10,7 +9,7 @@ pub fn of(machine: &Machine) -> Vec<Note> {
     let mut notes = Vec::new();
     let mut note = |kind: &'static str, name: &str, text: &str, span: Span| {
         if !text.is_empty() {
-            notes.push(Note { kind, text: text.to_owned(), origin: origin(format!("{kind} {name}"), span) });
+            notes.push(Note { kind, name: name.to_owned(), text: text.to_owned(), span });
         }
     };
     // The only region of a chart is a program of its own, which has the text.

@@ -5,13 +5,13 @@
 //! matter in which order flags are written, but for a transition from a state to itself: sets come after
 //! resets.
 
-use super::context::{Condition, Context, origin};
+use super::context::{Condition, Context};
 use super::rungs::rung;
 use super::{integers, variables};
 use crate::ir::chart::{RegionId, TransitionId};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Ladder, Rung};
-use crate::ir::plc::{GlobalId, Role};
+use crate::ir::plc::{GlobalId, Origin, Role};
 use std::collections::BTreeMap;
 
 /// From this many transitions on that are tried before one, a coil stands for all of them.
@@ -59,10 +59,9 @@ fn decide(context: &mut Context<'_>, rungs: &mut Vec<Rung>, rivals: &[Transition
     let mut firing = Vec::new();
     for &id in rivals {
         let t = &machine.transitions[id];
-        let what = context.about_transition(id);
         let mut coil = |context: &mut Context<'_>, word: &str, says: &str, condition: &Condition| {
             let (name, text) = (context.names.transition(word, id), context.says_of(id, says));
-            let coil = context.global(name, Role::Condition, text.clone(), origin(what.clone(), t.span));
+            let coil = context.global(name, Role::Condition, text.clone(), Origin::Transition(id));
             rung(context, rungs, (coil, CoilKind::Plain), condition, text);
             coil
         };

@@ -28,7 +28,7 @@ pub fn lower(context: &mut Context<'_>) -> Ladder {
 
 fn command(context: &mut Context<'_>, output: usize) -> GlobalId {
     let signal = &context.globals[context.outputs[output]];
-    let (name, origin) = (signal.name.clone(), signal.origin.clone());
+    let (name, origin) = (signal.name.clone(), signal.origin);
     let text = if signal.description.is_empty() { name.clone() } else { signal.description.clone() };
     let name = context.names.give("Cmd", &name);
     let text = with_actuator(context.machine, output, format!("command: {text}"));

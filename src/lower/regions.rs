@@ -1,6 +1,6 @@
 //! Regions to SFC programs (those of observers that also move after the filter excepted): a step per state, an idle step, and transitions that exclude each other.
 
-use super::context::{Condition, Context, origin};
+use super::context::{Condition, Context};
 use super::entries::Found;
 use super::observers;
 use crate::base::Arena;
@@ -17,16 +17,12 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Vec<Program> {
 
 fn program(context: &mut Context<'_>, id: RegionId) -> Program {
     let region = &context.machine.regions[id];
-    let path = context.machine.region_path(id);
-    let (kind, described) = match (region.parent, &region.name) {
-        (None, None) => {
-            let chart = &context.machine.charts[region.chart];
-            (if chart.kind == ChartKind::Observer { "observer" } else { "chart" }, &chart.description)
-        }
-        (Some(parent), None) => ("state", &context.machine.states[parent].description),
-        (_, Some(_)) => ("region", &region.description),
+    let (origin, described) = match (region.parent, &region.name) {
+        (None, None) => (Origin::Chart(region.chart), &context.machine.charts[region.chart].description),
+        (Some(parent), None) => (Origin::State(parent), &context.machine.states[parent].description),
+        (_, Some(_)) => (Origin::Region(id), &region.description),
     };
-    let description = if described.is_empty() { format!("{kind} {path}") } else { described.clone() };
+    let description = if described.is_empty() { origin.says(context.machine) } else { described.clone() };
     let name = context.names.region("Prg", id);
     let instance = context.names.region("I", id);
     // An SFC takes one step in a scan; what takes two is a ladder.
@@ -35,19 +31,18 @@ fn program(context: &mut Context<'_>, id: RegionId) -> Program {
     } else {
         Body::Ladder(observers::step(context, id))
     };
-    Program { name, instance, description, body, origin: origin(format!("{kind} {path}"), region.span) }
+    Program { name, instance, description, body, origin }
 }
 
 fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
     let machine = context.machine;
     let region = &machine.regions[id];
     let mut steps = Arena::new();
-    let what = format!("{} is not active", machine.region_path(id));
     let idle = steps.push(Step {
         name: context.names.region("Idle", id),
         flag: None,
-        description: what.clone(),
-        origin: Origin { what, span: None },
+        description: Origin::Idle(id).says(machine),
+        origin: Origin::Idle(id),
     });
     for &s in &region.states {
         let state = &machine.states[s];
@@ -55,7 +50,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             name: context.names.state("S", s),
             flag: Some(context.flags[s.index()]),
             description: state.description.clone(),
-            origin: origin(format!("state {}", machine.state_path(s)), state.span),
+            origin: Origin::State(s),
         });
     }
     let mut sfc = Sfc { steps, transitions: Vec::new() };
@@ -74,23 +69,15 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
     // Out of the idle step: where the region is told to start, else where it begins by default.
     let mut out = Leaving::new(idle, running.clone());
     for (state, _, told) in told.iter().filter(|(s, ..)| *s != region.initial || !region.entries.is_empty()) {
-        out.unless(
-            told.clone(),
-            step_of(*state),
-            origin(format!("entry of {}", machine.state_path(*state)), machine.states[*state].span),
-        );
+        out.unless(told.clone(), step_of(*state), Origin::Entry(*state));
     }
     let mut reasons = region.reasons.iter();
     let mut reason = || reasons.next().map_or("", String::as_str);
     for (guard, state) in &region.entries {
         let guard = context.guard(guard, id);
-        let what = format!("entry of {} by default", machine.state_path(*state));
-        out.because(reason()).unless(guard, step_of(*state), origin(what, region.span));
+        out.because(reason()).unless(guard, step_of(*state), Origin::Beginning(*state));
     }
-    out.because(reason()).otherwise(
-        step_of(region.initial),
-        origin(format!("initial state of {}", machine.region_path(id)), region.span),
-    );
+    out.because(reason()).otherwise(step_of(region.initial), Origin::Initial(id));
     sfc.transitions.append(&mut out.list);
 
     // Positions of the steps' transitions: grouped once, so that the cost stays linear.
@@ -102,8 +89,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
     for (&state, rivals) in region.states.iter().zip(&leaving) {
         let mut out = Leaving::new(step_of(state), running.clone());
         if let Some(parent) = &parent {
-            let what = format!("{} is left", machine.region_path(id));
-            out.when(parent.clone().not(), idle, Origin { what, span: None });
+            out.when(parent.clone().not(), idle, Origin::Left(id));
         }
         let here = |(entry, found, _): &&(StateId, Found, Condition)| match found {
             Found::Idle => false,
@@ -111,11 +97,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
             Found::Anywhere => true,
         };
         for (entry, _, told) in told.iter().filter(here) {
-            out.unless(
-                told.clone(),
-                step_of(*entry),
-                origin(format!("entry of {}", machine.state_path(*entry)), machine.states[*entry].span),
-            );
+            out.unless(told.clone(), step_of(*entry), Origin::Entry(*entry));
         }
         let chained = context.is_chained(rivals);
         for &t in rivals {
@@ -128,7 +110,7 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
                 continue;
             }
             let target = machine.child_in(id, transition.target).expect("the scope holds the target");
-            let from = origin(context.about_transition(t), transition.span);
+            let from = Origin::Transition(t);
             out.because(&transition.description);
             if chained {
                 let fires = Expr::Atom(context.fires(t));

@@ -22,7 +22,7 @@ pub fn rung(
     let mut writer = Writer { context, rungs, coil, parts: 0 };
     let sum = writer.sum(condition, false);
     if !sum.is_zero() {
-        let origin = context.globals[coil].origin.clone();
+        let origin = context.globals[coil].origin;
         rungs.push(Rung { comment, condition: sum, timer: None, function: None, coil, kind, origin });
     }
 }
@@ -117,11 +117,10 @@ impl Writer<'_, '_> {
     fn part(&mut self, sum: Sum<GlobalId>) -> Sum<GlobalId> {
         self.parts += 1;
         let whole = &self.context.globals[self.coil];
-        let (role, origin, description) =
-            (whole.role, whole.origin.clone(), format!("part {} of {}", self.parts, whole.name));
+        let (role, origin, description) = (whole.role, whole.origin, format!("part {} of {}", self.parts, whole.name));
         let name = whole.name.clone();
         let name = self.context.names.give(&format!("Part{}", self.parts), &name);
-        let coil = self.context.global(name, role, description.clone(), origin.clone());
+        let coil = self.context.global(name, role, description.clone(), origin);
         self.rungs.push(Rung {
             comment: description,
             condition: sum,

@@ -49,7 +49,7 @@ pub fn lower(context: &mut Context<'_>, kind: ChartKind) -> Ladder {
                 let (verb, _) = word(value);
                 let name = context.names.give(if value { "Set" } else { "Reset" }, &v.name);
                 let text = format!("an active state {verb}s {}", v.name);
-                let origin = context.globals[context.variables[id.index()]].origin.clone();
+                let origin = context.globals[context.variables[id.index()]].origin;
                 let coil = context.global(name, Role::Condition, text.clone(), origin);
                 rung(context, &mut rungs, (coil, CoilKind::Plain), &Expr::any(by), text);
                 actions[id.index()][usize::from(value)] = vec![Expr::Atom(coil)];

@@ -131,7 +131,7 @@ pub fn build(source: &str, options: &Options) -> (Option<Output>, Diagnostics) {
             Judgement::Refuted(_) | Judgement::Undecided => return (None, diagnostics),
         }
     }
-    let names = emit::names::table(&project, &LineIndex::new(source));
+    let names = emit::names::table(&project, &machine, &LineIndex::new(source));
     (Some(Output { machine, project, xml, names, proof }), diagnostics)
 }
 

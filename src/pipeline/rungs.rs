@@ -4,7 +4,7 @@ use crate::emit::{self, Dialect, Header};
 use crate::ir::chart::{Machine, OutputId};
 use crate::ir::iec;
 use crate::ir::ladder::Rung;
-use crate::ir::plc::{Body, GlobalId, Project, Role};
+use crate::ir::plc::{Body, GlobalId, Origin, Project, Role};
 use crate::ir::text;
 use crate::read;
 use crate::simulate::frame::{Frame, Layout};
@@ -22,15 +22,12 @@ pub fn show(machine: &Machine, frames: &[Frame], outputs: &[OutputId]) -> Option
     let variables: BTreeMap<&str, iec::VarId> =
         read.variables.iter().filter(|(_, v)| v.scope == iec::Scope::Global).map(|(id, v)| (&*v.name, id)).collect();
     let variable = |g: GlobalId| variables.get(&*project.globals[g].name).copied();
-    let find = |role: Role, name: &str| {
-        let is = |(_, g): &(GlobalId, &crate::ir::plc::Global)| {
-            g.role == role && g.origin.what.split(' ').nth(1) == Some(name)
-        };
-        project.globals.iter().find(is).map(|(id, _)| id)
+    let find = |role: Role, origin: Origin| {
+        project.globals.iter().find(|(_, g)| g.role == role && g.origin == origin).map(|(id, _)| id)
     };
     let mut inputs = Vec::new();
-    for (id, input) in machine.inputs.iter() {
-        inputs.push((layout.input(id), variable(find(Role::Input, &input.name)?)?));
+    for id in machine.inputs.ids() {
+        inputs.push((layout.input(id), variable(find(Role::Input, Origin::Input(id))?)?));
     }
     let mut plc = Plc::new(&read);
     let mut before = plc.clone();
@@ -45,13 +42,12 @@ pub fn show(machine: &Machine, frames: &[Frame], outputs: &[OutputId]) -> Option
     let written = written(&project);
     let mut coils = Vec::new();
     for &output in outputs {
-        let name = &machine.outputs[output].name;
-        let coil = find(Role::Output, name)?;
+        let coil = find(Role::Output, Origin::Output(output))?;
         if (plc.read(variable(coil)?) != 0) != last[layout.output(output)] {
             return None;
         }
         coils.push(coil);
-        coils.extend(find(Role::Command, name));
+        coils.extend(find(Role::Command, Origin::Output(output)));
     }
     let mut out = String::new();
     let mut position = 0;

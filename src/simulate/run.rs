@@ -4,10 +4,9 @@ use super::chart::Chart;
 use super::frame::{Frame, Layout};
 use super::plant::Plant;
 use super::plc::Plc;
-use crate::base::Span;
 use crate::ir::chart::{Atom, InputId, Machine, Mark, ScanNumber};
 use crate::ir::number::Comparison;
-use crate::ir::plc::{self, Role};
+use crate::ir::plc::{self, Origin, Role};
 use crate::ir::scenario::{Condition, CountId, Counted, Seen};
 use crate::ir::{iec, iec::VarId};
 
@@ -25,7 +24,7 @@ pub enum Program {
 pub struct Wired {
     plc: Plc,
     inputs: Vec<VarId>,
-    /// Places in frames with variables; a place is TRUE if one of its variables is.
+    /// Places in frames with their variables.
     shown: Vec<(usize, VarId)>,
     /// For each integer, its variable.
     integers: Vec<VarId>,
@@ -47,56 +46,46 @@ impl Program {
     /// If `read` lacks a variable of `written`.
     pub fn plc(machine: &Machine, written: &plc::Project, read: &iec::Project) -> Program {
         let layout = Layout::of(machine);
-        // A place of the text alone is not enough, nor is a path: two charts may each have a state `Off`.
-        let find = |role: Role, what: &str, span: Span| {
-            let globals = written.globals.values();
-            let ours = globals.filter(|g| {
-                g.role == role && g.origin.span == Some(span) && g.origin.what.split(' ').nth(1) == Some(what)
-            });
-            let variable = |name: &str| {
-                let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == name);
-                found.map(|(id, _)| id).expect("what was written is read back")
-            };
-            let found: Vec<VarId> = ours.map(|g| variable(&g.name)).collect();
-            assert!(!found.is_empty(), "the program has nothing for {what}");
-            found
+        // The first one: what takes a long rung is computed in parts, which come after it.
+        let find = |role: Role, origin: Origin| {
+            let ours = written.globals.values().find(|g| g.role == role && g.origin == origin);
+            let ours = ours.unwrap_or_else(|| panic!("the program has nothing for {}", origin.says(machine)));
+            let found = read.variables.iter().find(|(_, v)| v.scope == iec::Scope::Global && v.name == ours.name);
+            found.map(|(id, _)| id).expect("what was written is read back")
         };
-        let inputs = machine.inputs.values().map(|i| find(Role::Input, &i.name, i.span)[0]).collect();
+        let inputs = machine.inputs.ids().map(|i| find(Role::Input, Origin::Input(i))).collect();
         let mut shown = Vec::new();
-        let mut show = |place: usize, found: Vec<VarId>| shown.extend(found.into_iter().map(|v| (place, v)));
-        for (id, o) in machine.outputs.iter() {
-            show(layout.output(id), find(Role::Output, &o.name, o.span));
+        let mut show = |place: usize, found: VarId| shown.push((place, found));
+        for id in machine.outputs.ids() {
+            show(layout.output(id), find(Role::Output, Origin::Output(id)));
         }
-        for (id, v) in machine.variables.iter() {
-            show(layout.variable(id), find(Role::Variable, &v.name, v.span));
+        for id in machine.variables.ids() {
+            show(layout.variable(id), find(Role::Variable, Origin::Variable(id)));
         }
-        for (id, e) in machine.events.iter() {
-            show(layout.event(id), find(Role::Event, &e.name, e.span));
+        for id in machine.events.ids() {
+            show(layout.event(id), find(Role::Event, Origin::Event(id)));
         }
-        let integers = machine.integers.values().map(|i| find(Role::Variable, &i.name, i.span)[0]).collect();
-        for (id, s) in machine.states.iter() {
-            show(layout.state(id), find(Role::StepFlag, &machine.state_path(id), s.span));
+        let integers = machine.integers.ids().map(|i| find(Role::Variable, Origin::Integer(i))).collect();
+        for id in machine.states.ids() {
+            show(layout.state(id), find(Role::StepFlag, Origin::State(id)));
         }
-        for (id, c) in machine.safety.constraints.iter() {
+        for id in machine.safety.constraints.ids() {
             let role = if machine.safety.alarms() { Role::Alarm } else { Role::Acted };
-            show(layout.acted(id), find(role, &c.name, c.span));
+            show(layout.acted(id), find(role, Origin::Constraint(id)));
         }
-        for (i, a) in machine.safety.assumptions.iter().enumerate() {
-            show(layout.broken(i), find(Role::Alarm, &a.name, a.span));
+        for i in 0..machine.safety.assumptions.len() {
+            show(layout.broken(i), find(Role::Alarm, Origin::Assumption(i)));
         }
         for mark in machine.safety.marks() {
             show(
                 layout.mark(mark),
                 match mark {
-                    Mark::Noted => find(Role::Noted, "filter", machine.safety.span),
-                    Mark::First(c) => {
-                        let constraint = &machine.safety.constraints[c];
-                        find(Role::First, &constraint.name, constraint.span)
-                    }
+                    Mark::Noted => find(Role::Noted, Origin::Filter),
+                    Mark::First(c) => find(Role::First, Origin::Constraint(c)),
                 },
             );
         }
-        let first_scan = machine.safety.reset.map(|_| find(Role::FirstScan, "filter", machine.safety.span)[0]);
+        let first_scan = machine.safety.reset.map(|_| find(Role::FirstScan, Origin::Filter));
         Program::Plc(Box::new(Wired { plc: Plc::new(read), inputs, shown, integers, first_scan }))
     }
 
@@ -139,7 +128,7 @@ impl Program {
                 wired.plc.scan(milliseconds.saturating_mul(1000));
                 frame[layout.written().start..layout.integers().end].fill(false);
                 for &(place, variable) in &wired.shown {
-                    frame[place] |= wired.plc.read(variable) != 0;
+                    frame[place] = wired.plc.read(variable) != 0;
                 }
                 for (id, &variable) in machine.integers.ids().zip(&wired.integers) {
                     layout.put_integer(id, wired.plc.read(variable), frame);

@@ -8,7 +8,7 @@ use chartwright::ir::chart::{
 };
 use chartwright::ir::iec::VarId;
 use chartwright::ir::number::{Number, Range};
-use chartwright::ir::plc::Role;
+use chartwright::ir::plc::{Origin, Role};
 use chartwright::pipeline::{self, Dialect, Options, Output};
 use chartwright::read::read;
 use chartwright::simulate::chart::Chart;
@@ -213,33 +213,22 @@ fn meanings(built: &Output) -> Result<Vec<(String, Meaning)>, String> {
     let machine = &built.machine;
     let mut meanings: Vec<(String, Meaning)> = Vec::new();
     for global in built.project.globals.values() {
-        let span = global.origin.span;
-        // One place of the text may stand for several things, as a function does.
-        let named = |name: &str| global.origin.what.split(' ').nth(1) == Some(name);
-        let meaning = match global.role {
+        let meaning = match (global.role, global.origin) {
             // What takes a long rung is computed in parts.
             _ if global.name.starts_with("Part") => None,
-            Role::Input | Role::Condition | Role::Interim | Role::Filter | Role::History => None,
-            Role::StepFlag => machine.states.ids().find(|&s| named(&machine.state_path(s))).map(Meaning::State),
-            Role::Variable => find(machine.variables.iter(), |v| named(&v.name))
-                .map(Meaning::Variable)
-                .or_else(|| find(machine.integers.iter(), |i| named(&i.name)).map(Meaning::Integer)),
-            Role::Event => find(machine.events.iter(), |e| named(&e.name)).map(Meaning::Event),
-            Role::Command => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Command),
-            Role::Output => find(machine.outputs.iter(), |o| Some(o.span) == span).map(Meaning::Output),
-            Role::Scan => Some(Meaning::Scan(ScanNumber::This)),
-            Role::FirstScan => Some(Meaning::Scan(ScanNumber::First)),
-            Role::Noted => Some(Meaning::Mark(Mark::Noted)),
-            Role::First => find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
-                .map(|c| Meaning::Mark(Mark::First(c))),
-            Role::Alarm | Role::Acted => {
-                find(machine.safety.constraints.iter(), |c| Some(c.span) == span && named(&c.name))
-                    .map(Meaning::Alarm)
-                    .or_else(|| {
-                        let assumptions = &machine.safety.assumptions;
-                        assumptions.iter().position(|a| Some(a.span) == span).map(Meaning::Broken)
-                    })
-            }
+            (Role::StepFlag, Origin::State(s)) => Some(Meaning::State(s)),
+            (Role::Variable, Origin::Variable(v)) => Some(Meaning::Variable(v)),
+            (Role::Variable, Origin::Integer(i)) => Some(Meaning::Integer(i)),
+            (Role::Event, Origin::Event(e)) => Some(Meaning::Event(e)),
+            (Role::Command, Origin::Output(o)) => Some(Meaning::Command(o)),
+            (Role::Output, Origin::Output(o)) => Some(Meaning::Output(o)),
+            (Role::Scan, _) => Some(Meaning::Scan(ScanNumber::This)),
+            (Role::FirstScan, _) => Some(Meaning::Scan(ScanNumber::First)),
+            (Role::Noted, _) => Some(Meaning::Mark(Mark::Noted)),
+            (Role::First, Origin::Constraint(c)) => Some(Meaning::Mark(Mark::First(c))),
+            (Role::Alarm | Role::Acted, Origin::Constraint(c)) => Some(Meaning::Alarm(c)),
+            (Role::Alarm, Origin::Assumption(a)) => Some(Meaning::Broken(a)),
+            _ => None,
         };
         meanings.extend(meaning.map(|m| (global.name.clone(), m)));
     }
@@ -333,8 +322,4 @@ pub fn keep(source: &str, seed: u64, folder: &Path) {
     for (kind, text) in files.into_iter().chain([("expected.csv", table(expected))]) {
         std::fs::write(folder.join(format!("{seed}.{kind}")), text).expect("files can be written");
     }
-}
-
-fn find<T, I>(mut items: impl Iterator<Item = (I, T)>, is_it: impl Fn(&T) -> bool) -> Option<I> {
-    items.find(|(_, item)| is_it(item)).map(|(id, _)| id)
 }

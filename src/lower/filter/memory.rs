@@ -11,17 +11,15 @@
 //! does not fit is no question, since none is computed: at its end the count goes on from 0.
 
 use super::Filter;
-use crate::base::Span;
 use crate::ir::chart::{Atom, FilterMode, LAST_SCAN};
 use crate::ir::expr::Expr;
 use crate::ir::ladder::{CoilKind, Operand, Operator};
 use crate::ir::number::Relation;
-use crate::ir::plc::{Global, GlobalId, Role, Value};
-use crate::lower::context::{Condition, Context, origin};
+use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
+use crate::lower::context::{Condition, Context};
 use crate::lower::rungs::rung;
 
 /// What the filter itself is called.
-const FILTER: &str = "safety filter";
 
 impl Filter {
     /// Holds the constraints against the commands and lets none of these count while the machine is
@@ -40,10 +38,10 @@ impl Filter {
         let Some(blocked) = self.remember(context, &acted) else { return };
         for (output, signal) in machine.outputs.iter() {
             let command = Expr::Atom(context.commands[output.index()]);
-            let about = (format!("output {}", signal.name), signal.span);
             let text = format!("{} is commanded and the machine is not stopped", signal.name);
             let counts = Expr::all([command, Expr::Atom(blocked).not()]);
-            self.taken[output.index()] = self.coil(context, ("Let", &signal.name), Role::Filter, about, text, &counts);
+            self.taken[output.index()] =
+                self.coil(context, ("Let", &signal.name), Role::Filter, Origin::Output(output), text, &counts);
         }
     }
 
@@ -52,7 +50,6 @@ impl Filter {
     pub fn remember(&mut self, context: &mut Context<'_>, acted: &[GlobalId]) -> Option<GlobalId> {
         let machine = context.machine;
         let reset = machine.safety.reset?;
-        let about = || (FILTER.to_owned(), machine.safety.span);
         let blocking = machine.safety.mode == Some(FilterMode::Blocking);
         let (name, text) = if blocking {
             ("Blocked", "stopped by a violation, until the reset")
@@ -60,19 +57,20 @@ impl Filter {
             ("Noted", "a constraint has acted since the last reset")
         };
         // Its rung comes last, but the ones before read what it was in the scan before.
-        let noted = self.flag(context, name, Role::Noted, about(), text);
-        let still = self.flag(context, &format!("Still{name}"), Role::Filter, about(), "and this is not the reset");
+        let noted = self.flag(context, name, Role::Noted, Origin::Filter, text);
+        let still =
+            self.flag(context, &format!("Still{name}"), Role::Filter, Origin::Filter, "and this is not the reset");
         let (now, before) = (context.value(Atom::Input(reset)), context.value(Atom::PrevInput(reset)));
         let rises = Expr::all([now, before.not()]);
         self.write(context, still, &Expr::all([Expr::Atom(noted), rises.not()]));
-        for (constraint, &acts) in machine.safety.constraints.values().zip(acted) {
-            let about = (format!("constraint {}", constraint.name), constraint.span);
+        for ((id, constraint), &acts) in machine.safety.constraints.iter().zip(acted) {
             let text = if constraint.text.is_empty() {
                 format!("{} acted first", constraint.name)
             } else {
                 format!("first: {}", constraint.text)
             };
-            let first = self.flag(context, &format!("First_{}", constraint.name), Role::First, about, &text);
+            let first =
+                self.flag(context, &format!("First_{}", constraint.name), Role::First, Origin::Constraint(id), &text);
             let stays = Expr::all([Expr::Atom(first), Expr::Atom(still)]);
             let begins = Expr::all([Expr::Atom(acts), Expr::Atom(still).not()]);
             self.write(context, first, &Expr::any([stays, begins]));
@@ -91,7 +89,7 @@ impl Filter {
         let base = self.count(context, "Scan_Before", Role::Interim, "number of the scan before");
         let now = self.count(context, "Scan_Noted", Role::Interim, "number of this scan if something is noted");
         let kept = self.count(context, "First_Scan", Role::FirstScan, first);
-        let full = self.flag(context, "Scan_Ends", Role::Filter, (FILTER.to_owned(), context.machine.safety.span), end);
+        let full = self.flag(context, "Scan_Ends", Role::Filter, Origin::Filter, end);
         let (of, constant) = (Operand::Global, Operand::Const);
         let mut compute = |operator, operands, coil: GlobalId| {
             let text = context.globals[coil].description.clone();
@@ -107,20 +105,13 @@ impl Filter {
     /// A number of a scan.
     fn count(&mut self, context: &mut Context<'_>, name: &str, role: Role, text: &str) -> GlobalId {
         let name = context.names.fixed(name);
-        let (origin, description) = (origin(FILTER.to_owned(), context.machine.safety.span), text.to_owned());
+        let (origin, description) = (Origin::Filter, text.to_owned());
         context.globals.push(Global { name, address: None, initial: Value::Udint(0), role, description, origin })
     }
 
-    fn flag(
-        &mut self,
-        context: &mut Context<'_>,
-        name: &str,
-        role: Role,
-        (what, span): (String, Span),
-        text: &str,
-    ) -> GlobalId {
+    fn flag(&mut self, context: &mut Context<'_>, name: &str, role: Role, origin: Origin, text: &str) -> GlobalId {
         let name = context.names.fixed(name);
-        context.global(name, role, text.to_owned(), origin(what, span))
+        context.global(name, role, text.to_owned(), origin)
     }
 
     fn write(&mut self, context: &mut Context<'_>, flag: GlobalId, condition: &Condition) {

@@ -8,7 +8,7 @@
 use super::Filter;
 use crate::ir::chart::Atom;
 use crate::ir::expr::Expr;
-use crate::ir::plc::Role;
+use crate::ir::plc::{Origin, Role};
 use crate::ir::relief::Reliefs;
 use crate::lower::context::Context;
 
@@ -25,9 +25,9 @@ impl Filter {
             }
             let violated = self.product(context, &c.product);
             let text = format!("{} is violated in sweep {}", constraint.name, sweep + 1);
-            let about = (format!("constraint {}", constraint.name), constraint.span);
             let word = format!("Hit{}", sweep + 1);
-            let hit = self.coil(context, (&word, &path), Role::Filter, about.clone(), text, &violated);
+            let hit =
+                self.coil(context, (&word, &path), Role::Filter, Origin::Constraint(c.constraint), text, &violated);
             self.alarms[c.constraint.index()].push(Expr::Atom(hit));
             for &(output, value) in &c.reliefs {
                 let (i, name) = (output.index(), &machine.outputs[output].name);
@@ -38,7 +38,7 @@ impl Filter {
                     if value { Expr::any([selected, changes]) } else { Expr::all([selected, changes.not()]) };
                 let text = format!("{name} after {} in sweep {}", constraint.name, sweep + 1);
                 let names = (&*format!("Sel{}", sweep + 1), &*format!("{name}_{path}"));
-                let coil = self.coil(context, names, Role::Filter, about.clone(), text, &condition);
+                let coil = self.coil(context, names, Role::Filter, Origin::Constraint(c.constraint), text, &condition);
                 self.selected[i] = Some(coil);
             }
         }

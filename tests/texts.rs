@@ -114,7 +114,8 @@ safety supervisor {
   C1: never OUT and not Deep "says never 1"
   assume A1: never Up and Down "says never 2"
   F1: forbid Ram between unless Jaw at Open "says forbid 1"
-  derive all
+  F2: forbid Ram at Bottom and Jaw at Open "says forbid 2"
+  derive all except F2
 }
 properties {
   P1: never OUT and BACK "says property 1"
@@ -236,11 +237,82 @@ fn no_word_in_a_text_changes_a_program() {
     assert_ne!(program("moves parts", "moves a part", "Shift_Ended"), plain);
 }
 
+/// The names of all variables of the program that a model becomes.
+fn globals(source: &str) -> BTreeSet<String> {
+    let (machine, diagnostics) = pipeline::check(source);
+    let machine = machine.unwrap_or_else(|| panic!("{diagnostics:?}\n{source}"));
+    pipeline::lower(&machine).globals.values().map(|g| g.name.clone()).collect()
+}
+
+#[test]
+fn a_word_in_a_text_of_any_kind_names_nothing() {
+    let plain = globals(MODEL);
+    assert!(!plain.contains("Punch_Ended") && plain.contains("Blow_Ended"));
+    for text in texts() {
+        let other = MODEL.replace(&format!("\"{text}\""), &format!("\"{text} Punch_Ended\""));
+        assert_ne!(other, MODEL);
+        assert_eq!(globals(&other), plain, "{text}");
+    }
+}
+
+#[test]
+fn a_name_of_something_else_names_no_event() {
+    let source = shifting("moves parts", "moves a part", "Far");
+    let plain = globals(&source);
+    for (there, instead) in [
+        ("chart Shown", "chart Shift_Ended"),
+        ("machine Shifter", "machine Shift_Ended"),
+        ("actuator Lamp", "actuator Shift_Ended"),
+        ("position Over", "position Shift_Ended"),
+    ] {
+        assert!(source.contains(there));
+        let events: BTreeSet<String> = globals(&source.replace(there, instead));
+        assert!(!events.contains("Shift_Ended"), "{there}");
+        assert_eq!(events.len(), plain.len(), "{there}");
+    }
+    let more = "properties { Shift_Ended: never OVER and Near } scenario \"Shift_Ended\" { wait 1 scan }";
+    assert_eq!(globals(&format!("{source} {more}")), plain);
+}
+
+#[test]
+fn an_event_is_there_for_whoever_names_it() {
+    let source = shifting("moves parts", "moves a part", "Far");
+    assert!(!globals(&source).contains("Shift_Ended"));
+    let chart = |inside: &str| format!("chart More {{ initial state On {{ {inside} }} }}");
+    for named in [
+        chart("internal when Shift_Ended then set Seen"),
+        chart("internal when prev(Push) and not Shift_Ended then set Seen"),
+        chart("internal when Push then raise Shift_Ended"),
+        chart("sets Seen when Shift_Ended"),
+        chart("drives GLOW when Shift_Ended"),
+        chart("entry raise Shift_Ended"),
+        chart("exit raise Shift_Ended"),
+        chart("initial choice Way { when Shift_Ended to B else to A } state A state B from A to B from B to A"),
+        "safety supervisor { C: never GLOW and Shift_Ended }".to_owned(),
+        "safety supervisor { assume A: never Near and Shift_Ended }".to_owned(),
+        "properties { P: after Shift_Ended eventually Push }".to_owned(),
+        "properties { P: reachable Shift_Ended }".to_owned(),
+        "scenario \"s\" { repeat 2 { wait until Shift_Ended within 1 scan } }".to_owned(),
+        "scenario \"s\" { never Shift_Ended }".to_owned(),
+        "sequence Work { wait until Shift_Ended do Shift }".to_owned(),
+        "function More { request when Push  release when Near  activate when Shift_Ended }".to_owned(),
+        "function More { request when Push  release when Near  abort when Shift_Ended  sets Seen }".to_owned(),
+    ] {
+        let whole = format!("{source} variables {{ Seen : BOOL }} {named}");
+        assert!(globals(&whole).contains("Shift_Ended"), "{named}");
+    }
+}
+
 #[test]
 fn a_condition_is_a_condition_and_nothing_besides() {
     let source = shifting("moves parts", "moves a part", "Far");
-    for fine in ["Push", "in(Shown.Bright) and not GLOW", "(Near or Far) // both", " true "] {
+    for fine in ["Push", "in(Shown.Bright) and not GLOW", "(Near or Far) // both", " true ", "rise(in(Dark))"] {
         assert!(pipeline::condition(&source, fine).is_ok(), "{fine}");
+    }
+    // However the model ends, for the condition is not put behind it.
+    for end in [" // a comment", " plant {", " \"", " }"] {
+        let fits = end.starts_with(" //");
+        assert_eq!(pipeline::condition(&format!("{source}{end}"), "Push").is_ok(), fits, "{end}");
     }
     for wrong in [
         "",
@@ -252,6 +324,12 @@ fn a_condition_is_a_condition_and_nothing_besides() {
         "(Push",
         "Push)",
         "Push } chart Another { initial state A",
+        "Push\nwithin 1 scan } scenario \"more\" { expect Push",
+        "Push /* why */",
+        "after 10ms",
+        "done",
+        "Nowhere",
+        "in(Nowhere)",
     ] {
         let refused = pipeline::condition(&source, wrong);
         assert!(refused.is_err_and(|found| !found.is_empty()), "{wrong}");

@@ -1,7 +1,8 @@
 //! Actuators and forbidden positions to the constraints that follow from them.
 //!
 //! Gone after it: `forbid` and `derive`. What they stand for are constraints like written ones, with names
-//! of their own, so nothing further down knows where a constraint comes from.
+//! of their own, so nothing further down knows where a constraint comes from. Of what is forbidden and left to
+//! other constraints the words stay.
 //!
 //! | module | derives |
 //! | --- | --- |
@@ -45,12 +46,15 @@ pub fn expand(tree: &mut ast::Machine) -> Diagnostics {
     }
     let (_, mut diagnostics) = everything(tree, false);
     let mut added: Vec<(usize, Constraint)> = Vec::new();
+    // Where the names of what constraints are derived from stand.
+    let mut kept: Vec<Span> = Vec::new();
     for (i, safety) in tree.safety.iter().enumerate() {
         for item in &safety.derives {
             let (all, _) = everything(tree, item.edges.is_some());
             let chosen = choose(item, &all, &mut diagnostics);
             for d in chosen {
                 let mut constraint = d.constraint.clone();
+                kept.push(constraint.never.span);
                 constraint.name.span = item.span;
                 // What two items ask for is derived once.
                 if added.iter().all(|(_, a)| a.name.text != constraint.name.text) {
@@ -77,7 +81,8 @@ pub fn expand(tree: &mut ast::Machine) -> Diagnostics {
         tree.safety[i].constraints.push(constraint);
     }
     for safety in &mut tree.safety {
-        safety.forbids.clear();
+        let forbids = std::mem::take(&mut safety.forbids);
+        safety.unkept = forbids.into_iter().filter(|f| !kept.contains(&f.name.span)).collect();
         safety.derives.clear();
     }
     diagnostics

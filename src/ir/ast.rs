@@ -9,10 +9,12 @@ pub use super::property::{Acceptance, Accepted, Leads, Property, PropertyKind};
 use crate::base::Span;
 
 mod functions;
+mod mentions;
 mod safety;
 mod scenarios;
 mod ways;
 pub use functions::{Function, Job, Sequence, SequenceDoing, SequenceStep};
+pub use mentions::mentions;
 pub use safety::{Constraint, Derive, Forbid, Place, Safety, Valve};
 pub use scenarios::{Doing, Scenario, Step};
 pub use ways::{Branch, Choice, Source, Target};

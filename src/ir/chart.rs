@@ -59,7 +59,9 @@ mod safety;
 
 pub use super::ast::Technology;
 pub use super::integer::{Assignment, Integer};
-pub use safety::{Assumption, Constraint, FilterMode, LAST_SCAN, Mark, Relief, Safety, ScanNumber, outputs_of};
+pub use safety::{
+    Assumption, Constraint, FilterMode, Forbidden, LAST_SCAN, Mark, Relief, Safety, ScanNumber, outputs_of,
+};
 
 /// Names an input.
 pub type InputId = Id<Input>;

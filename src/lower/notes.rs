@@ -1,5 +1,5 @@
 //! Texts of the model on what the program has no name for: charts of several regions, actuators, their
-//! positions, properties.
+//! positions, forbidden positions that are left to other constraints, properties.
 
 use crate::base::Span;
 use crate::ir::chart::{ChartKind, Machine};
@@ -23,6 +23,9 @@ pub fn of(machine: &Machine) -> Vec<Note> {
             let name = format!("{} of {}", position.name, actuator.name);
             note("position", &name, &position.description, position.span);
         }
+    }
+    for forbidden in &machine.safety.unkept {
+        note("forbid", &forbidden.name, &forbidden.text, forbidden.span);
     }
     for property in &machine.properties {
         note("property", &property.name, &property.text, property.span);

@@ -433,6 +433,7 @@ fn safety<'i>(p: Pair<'i, Rule>, bad: &mut Bad<'i>) -> Safety {
         constraints: Vec::new(),
         assumptions: Vec::new(),
         forbids: Vec::new(),
+        unkept: Vec::new(),
         derives: Vec::new(),
     };
     for p in p.into_inner() {

@@ -12,7 +12,6 @@ use super::Resolver;
 use crate::base::{Code, Diagnostic, Span, iec};
 use crate::ir::ast::*;
 use crate::ir::expr::Expr;
-use crate::ir::source;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
@@ -38,11 +37,9 @@ pub fn expand<'t>(r: &mut Resolver, tree: &'t Machine) -> Cow<'t, Machine> {
     Cow::Owned(plain)
 }
 
-/// The words of the model, and the events that its sequences mean: what a function brings along and nobody
-/// names is left out.
+/// The signals that the model mentions, and the events that its sequences mean: what a function brings along and
+/// nobody names is left out.
 fn named(tree: &Machine) -> HashSet<String> {
-    let text = without_texts(&source::source(tree));
-    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').map(iec::fold);
     let event = |function: &Name, part: &str| iec::fold(&format!("{}_{part}", function.text));
     let meant = tree.sequences.iter().flat_map(|s| &s.steps).flat_map(|step| match &step.doing {
         SequenceDoing::Do(jobs) => jobs
@@ -56,22 +53,11 @@ fn named(tree: &Machine) -> HashSet<String> {
         SequenceDoing::Deactivate(names) => names.iter().map(|n| event(n, "Deactivate")).collect::<Vec<_>>(),
         SequenceDoing::Until(_) | SequenceDoing::Wait(_) => Vec::new(),
     });
-    words.chain(meant).collect()
-}
-
-/// A source in which nothing stands between quotes: what a model says in words names nothing.
-fn without_texts(source: &str) -> String {
-    let (mut kept, mut quoted, mut escaped) = (String::with_capacity(source.len()), false, false);
-    for c in source.chars() {
-        match c {
-            _ if escaped => escaped = false,
-            '\\' if quoted => escaped = true,
-            '"' => quoted = !quoted,
-            _ if quoted => {}
-            _ => kept.push(c),
-        }
-    }
-    kept
+    let mut named: HashSet<String> = meant.collect();
+    mentions(tree, &mut |word| {
+        named.insert(iec::fold(word));
+    });
+    named
 }
 
 struct Maker<'r, 'p> {

@@ -21,17 +21,22 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
             );
         }
         head(r, safety);
-        for written in safety.constraints.iter().chain(&safety.assumptions) {
-            r.legal(&written.name);
-            match names.entry(iec::fold(&written.name.text)) {
+        let constraints = safety.constraints.iter().chain(&safety.assumptions).map(|c| &c.name);
+        for name in constraints.chain(safety.unkept.iter().map(|f| &f.name)) {
+            r.legal(name);
+            match names.entry(iec::fold(&name.text)) {
                 Entry::Vacant(entry) => {
-                    entry.insert(written.name.span);
+                    entry.insert(name.span);
                 }
                 Entry::Occupied(entry) => {
                     let first = *entry.get();
-                    r.duplicate(&written.name, first);
+                    r.duplicate(name, first);
                 }
             }
+        }
+        for written in &safety.unkept {
+            let (name, text) = (written.name.text.clone(), describe(&written.text));
+            r.machine.safety.unkept.push(chart::Forbidden { name, text, span: written.name.span });
         }
         for written in &safety.assumptions {
             let never = r.guard(&written.never, &Context::Assumption);

@@ -29,6 +29,8 @@ pub struct Safety {
     pub forbids: Vec<Forbid>,
     /// What is to be derived, in order.
     pub derives: Vec<Derive>,
+    /// What was forbidden and has left no constraint, once constraints have been derived; none before.
+    pub unkept: Vec<Forbid>,
 }
 
 /// `S1: never OHC and not V0 yields … "…"`, or `assume never …`, which nobody yields to.

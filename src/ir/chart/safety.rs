@@ -20,6 +20,19 @@ pub struct Safety {
     pub constraints: Arena<Constraint>,
     /// What the plant cannot do.
     pub assumptions: Vec<Assumption>,
+    /// What is forbidden and left to constraints that are not derived from it.
+    pub unkept: Vec<Forbidden>,
+}
+
+/// A forbidden position from which no constraint is derived: words for people.
+#[derive(Clone, Debug)]
+pub struct Forbidden {
+    /// Its name.
+    pub name: String,
+    /// Why it is forbidden.
+    pub text: String,
+    /// Where it is declared.
+    pub span: Span,
 }
 
 /// What the filter does about a violation (seed 001).

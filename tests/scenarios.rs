@@ -232,6 +232,20 @@ fn a_session_takes_commands_from_a_pipe() {
     assert!(stdout(&output).contains("`Nowhere` is not declared"), "{}", stdout(&output));
 }
 
+#[test]
+fn a_session_waits_for_what_the_model_never_asks() {
+    // Neither comparison stands in the model.
+    let commands = "set Start\nstep\nrun until Jars + 1 > 1\nrun until Jars + Jars = 0 and not Jars = 2\n";
+    let model = "machine Counts inputs { Start } variables { Jars : 0..3 }
+                 chart C { initial state A { internal when Start then set Jars := Jars + 1 } }";
+    let directory = Scratch::new("session_comparisons");
+    directory.write("counts.chart", model);
+    let output = run(directory.path(), &["simulate", "counts.chart"], commands);
+    assert!(stdout(&output).contains("Jars=1"), "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("this did not happen in"), "{}", stdout(&output));
+    assert_eq!(code(&output), 1);
+}
+
 /// A model with a scenario that fails, in a directory of its own.
 fn failing(test: &str) -> Scratch {
     let directory = Scratch::new(test);

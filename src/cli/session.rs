@@ -138,7 +138,7 @@ impl Session<'_> {
     }
 
     fn until(&mut self, text: &str) -> Result<String, String> {
-        let condition = pipeline::condition(self.source, text).map_err(|found| {
+        let asked = pipeline::condition(self.source, text).map_err(|found| {
             let first = found.iter().find(|d| d.severity() == crate::base::Severity::Error);
             first.map_or_else(|| "this is no condition".to_owned(), |d| d.message.clone())
         })?;
@@ -150,7 +150,7 @@ impl Session<'_> {
             if before.as_ref() != self.shown.as_ref() {
                 out += &line;
             }
-            if self.run.holds(&condition) {
+            if self.run.holds_beside(&asked.machine, &asked.condition) {
                 return Ok(out);
             }
         }

@@ -83,13 +83,17 @@ pub fn parse(source: &str) -> (Option<ast::Machine>, Diagnostics) {
     if diagnostics.has_errors() { (None, diagnostics) } else { (Some(machine), diagnostics) }
 }
 
-/// Whether a text is one condition, and nothing besides.
-pub fn condition(text: &str) -> Result<(), Diagnostics> {
+/// Reads a text that is one condition, and nothing besides. Its places are those in this text.
+pub fn condition(text: &str) -> Result<ast::Guard, Diagnostics> {
     let mut diagnostics = Diagnostics::new();
     match scan::scan(text) {
         Err(found) => found.into_iter().for_each(|d| diagnostics.push(d)),
         Ok(()) => match Grammar::parse(Rule::lone_condition, text) {
-            Ok(_) => return Ok(()),
+            Ok(pairs) => {
+                let mut inside = pairs.flat_map(Pair::into_inner);
+                let expression = inside.find(|p| p.as_rule() == Rule::expression);
+                return Ok(build::guard(expression.expect("a condition is an expression")));
+            }
             Err(error) => diagnostics.push(syntax_error::describe(text, 0, error)),
         },
     }

@@ -14,7 +14,7 @@ use crate::constraints::Analysis;
 use crate::emit::{self, Header};
 use crate::ir::chart::Machine;
 use crate::ir::plc::Project;
-use crate::ir::scenario::{Condition, Doing};
+use crate::ir::scenario::Condition;
 use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
 use crate::{check, derive, lower, parse, read, resolve};
@@ -72,17 +72,26 @@ pub fn programs(machine: &Machine) -> Vec<(&'static str, Program)> {
     vec![("chart", Program::chart(machine)), ("plc", Program::plc(machine, &project, &read))]
 }
 
+/// A condition that was given beside a model.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// The model's machine, with the comparisons that the condition brings along. All ids that the machine has
+    /// without the condition mean the same in it.
+    pub machine: Machine,
+    /// The condition, over that machine.
+    pub condition: Condition,
+}
+
 /// A condition over the machine that `source` describes, as its scenarios write it. The places of the
-/// diagnostics mean nothing.
-pub fn condition(source: &str, text: &str) -> Result<Condition, Diagnostics> {
-    parse::condition(text)?;
-    // The scenario that holds it comes last and changes no id of what is there.
-    let (machine, diagnostics) = check(&format!("{source}\nscenario \"\" {{ wait until {text}\nwithin 1 scan }}"));
-    let step = machine.and_then(|mut m| m.scenarios.pop()).and_then(|mut s| s.steps.pop());
-    match step.map(|s| s.doing) {
-        Some(Doing::Until(condition, _)) => Ok(condition),
-        _ => Err(diagnostics),
-    }
+/// diagnostics are those in `text`, or in `source` where the model is wrong.
+pub fn condition(source: &str, text: &str) -> Result<Asked, Diagnostics> {
+    let guard = parse::condition(text)?;
+    let (tree, diagnostics) = parse::parse(source);
+    let Some(mut tree) = tree else { return Err(diagnostics) };
+    let mut diagnostics = derive::expand(&mut tree);
+    let (machine, condition, found) = resolve::condition(&tree, &guard);
+    diagnostics.append(found);
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(Asked { machine, condition }) }
 }
 
 /// What [`build`] is told.

@@ -38,6 +38,7 @@ mod transitions;
 
 use crate::base::{Code, Diagnostic, Diagnostics, Id};
 use crate::ir::number::Comparison;
+use crate::ir::scenario::Condition;
 use crate::ir::{ast, chart};
 use names::{Braces, Names};
 use std::collections::HashMap;
@@ -50,6 +51,25 @@ use std::collections::HashMap;
 /// If the tree still asks for constraints to be derived: without them, a machine would be less safe than it
 /// is written.
 pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
+    let resolver = resolved(tree);
+    (resolver.machine, resolver.diagnostics)
+}
+
+/// A condition that stands outside of the tree, as a scenario of it would have it, with the machine to which its
+/// ids belong: that of the tree, with the comparisons that the condition brings along. The places of what is
+/// said of the condition are those in its own text.
+///
+/// # Panics
+///
+/// As [`resolve`] does.
+pub fn condition(tree: &ast::Machine, guard: &ast::Guard) -> (chart::Machine, Condition, Diagnostics) {
+    let mut resolver = resolved(tree);
+    let condition = resolver.condition(guard, &expressions::Context::Expectation);
+    (resolver.machine, condition, resolver.diagnostics)
+}
+
+/// All that a tree says, resolved.
+fn resolved(tree: &ast::Machine) -> Resolver {
     let mut resolver = Resolver {
         machine: chart::Machine {
             name: tree.name.text.clone(),
@@ -76,7 +96,7 @@ pub fn resolve(tree: &ast::Machine) -> (chart::Machine, Diagnostics) {
     properties::resolve(&mut resolver, tree);
     accepted::resolve(&mut resolver, tree);
     scenarios::resolve(&mut resolver, tree);
-    (resolver.machine, resolver.diagnostics)
+    resolver
 }
 
 /// What the steps share.

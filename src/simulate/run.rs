@@ -272,6 +272,12 @@ impl<'m> Run<'m> {
         self.layout.holds(self.machine, condition, self.moment(), &self.before)
     }
 
+    /// The same of a condition over another machine, which has all that this one has with the same ids, and more
+    /// comparisons.
+    pub fn holds_beside(&self, machine: &Machine, condition: &Condition) -> bool {
+        self.layout.holds(machine, condition, self.moment(), &self.before)
+    }
+
     /// What the condition reads, each name once, with its value.
     pub fn values(&self, condition: &Condition) -> Vec<(String, bool)> {
         let mut values: Vec<(String, bool)> = Vec::new();

@@ -125,6 +125,10 @@ fn a_word_is_said_with_its_target_and_a_name_that_is_free() {
         "`Eof` is a word of C, of which Beremiz makes the program; call it `Eof_I2`, for example"
     );
     assert_eq!(
+        said("Buffer_Full", ""),
+        "`Buffer_Full` is a word that Beremiz needs in the C code that it makes; call it `Buffer_Full_I`, for example"
+    );
+    assert_eq!(
         said("Union", ""),
         "`Union` is a keyword or operator of CODESYS and TwinCAT; call it `Union_I`, for example"
     );

@@ -135,10 +135,14 @@ const LIBRARY: &str = "
     DERIVATIVE HYSTERESIS INTEGRAL PID RAMP
 ";
 
-/// Words that the C which matiec makes has a meaning of its own for: macros of its headers. Names go there in upper
-/// case.
+/// Words that the C which matiec makes has a meaning of its own for: macros of its headers, of `beremiz.h`, which stands
+/// before each of them, and of `plc_debug.c`, which lists all variables for the debugger of Beremiz, with what it can be
+/// told to leave out. Names go there in upper case.
 const MACROS: &str = "
-    DBG DBG_TYPE EN_ENO EN_ENO_PARAMS EPOCH_YEAR FB IEC_TYPES_ALL_H IEC_TYPES_H LOCATED ON
+    BUFFER_EMPTY BUFFER_FULL DBG DBG_TYPE EN_ENO EN_ENO_PARAMS EPOCH_YEAR FB FORCE_BUFFER_SIZE FORCE_LIST_SIZE
+    IEC_TYPES_ALL_H IEC_TYPES_H LOCATED LOG_CRITICAL LOG_DEBUG LOG_INFO LOG_LEVELS LOG_WARNING ON
+    PLC_THREAD_PRIORITY REALTIME_LINUX TRACE_BUFFER_SIZE TRACE_LIST_SIZE
+    TARGET_DEBUG_AND_RETAIN_DISABLE TARGET_EXT_SYNC_DISABLE TARGET_LOGGING_DISABLE TARGET_ONLINE_DEBUG_DISABLE
     SECONDS_PER_DAY SECONDS_PER_HOUR SECONDS_PER_MINUTE STR_LEN_TYPE STR_MAX_LEN T TEST_EN TEST_EN_COND
     VA_ARGS_BOOL VA_ARGS_BYTE VA_ARGS_DATE VA_ARGS_DINT VA_ARGS_DT VA_ARGS_DWORD VA_ARGS_INT
     VA_ARGS_LINT VA_ARGS_LREAL VA_ARGS_LWORD VA_ARGS_REAL VA_ARGS_SINT VA_ARGS_STRING VA_ARGS_TIME

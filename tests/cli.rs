@@ -94,7 +94,7 @@ fn wrong_usage_exits_with_2() {
 #[test]
 fn every_command_has_help_that_teaches() {
     let d = Scratch::new("help");
-    for sub in ["", "check", "build", "stats", "explain"] {
+    for sub in ["", "check", "build", "show", "stats", "explain"] {
         let output = chartwright(d.path(), &format!("{sub} --help"));
         assert_eq!(code(&output), 0, "{sub}");
         for part in ["Usage: chartwright", "Examples:", "Exit codes:"] {
@@ -391,6 +391,34 @@ fn stats_counts() {
     assert_eq!(json["stats"]["machine"]["levels"], 1);
     assert!(json["stats"]["program"]["steps"].as_u64().unwrap() >= 2);
     assert_wrong_input(&d, "stats wrong.chart", "error[E312]");
+}
+
+#[test]
+fn every_stage_is_shown() {
+    let d = Scratch::new("show");
+    d.write("lamp.chart", LAMP);
+    d.write("wrong.chart", WRONG);
+    for (stage, says) in [
+        ("tree", "chart"),
+        ("chart", "machine"),
+        ("sfc", "S_Off -> S_On"),
+        ("ladder", "LD Outputs"),
+        ("names", "name,kind,program,model,line,column,description\n"),
+    ] {
+        let output = chartwright(d.path(), &format!("show lamp.chart --stage {stage}"));
+        assert_eq!(code(&output), 0, "{stage}: {}", stderr(&output));
+        assert!(stdout(&output).contains(says), "{stage}: {}", stdout(&output));
+        let output = chartwright(d.path(), &format!("show lamp.chart --stage {stage} --format json"));
+        assert!(json(&output)["text"].as_str().unwrap().contains(says), "{stage}");
+    }
+    let chart = chartwright(d.path(), "show lamp.chart --stage chart");
+    assert_eq!(stdout(&chartwright(d.path(), "show lamp.chart")), stdout(&chart));
+    // What breaks a rule resolves all the same, and is shown beside the error.
+    let output = chartwright(d.path(), "show wrong.chart --stage tree");
+    assert_eq!((code(&output), stdout(&output).is_empty()), (0, false), "{}", stderr(&output));
+    for stage in ["sfc", "ladder", "names"] {
+        assert_wrong_input(&d, &format!("show wrong.chart --stage {stage}"), "error[E312]");
+    }
 }
 
 /// The numbers that the paper gives for its machine (seed 002).

@@ -40,7 +40,7 @@ fn place(name: &str) -> Scratch {
 }
 
 /// Commands that report something, with the exit code and what stands in the report.
-const REPORTS: [(&str, i32, &str); 16] = [
+const REPORTS: [(&str, i32, &str); 17] = [
     ("test lamp.chart", 0, "2 passed, 0 failed"),
     ("verify lamp.chart", 1, "violated  P1"),
     ("verify lamp.chart --needed", 1, "P1"),
@@ -52,6 +52,7 @@ const REPORTS: [(&str, i32, &str); 16] = [
     ("constraints lamp.chart", 0, "S1"),
     ("constraints lamp.chart --format dot", 0, "digraph"),
     ("stats lamp.chart", 0, "elementary states"),
+    ("show lamp.chart --stage ladder", 0, "LD Outputs"),
     ("explain E101", 0, "# E101"),
     ("explain", 0, "E101  "),
     ("simulate lamp.chart --scans 3", 0, "inputs"),

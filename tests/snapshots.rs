@@ -1,11 +1,12 @@
-//! One snapshot per model and stage: opening `snapshots/<model>/` shows the whole compilation.
+//! One snapshot per model and stage: opening `snapshots/<model>/` shows the whole compilation, but for XML that is too
+//! long to be read.
 
 use crate::support::models::{self, Model};
-use chartwright::base::LineIndex;
-use chartwright::emit::{self, Dialect, Header, names};
-use chartwright::ir::{outline, source, text};
-use chartwright::{check, derive, lower, parse, resolve};
-use std::collections::BTreeSet;
+use chartwright::emit::{self, Dialect, Header};
+use chartwright::ir::{outline, source};
+use chartwright::pipeline::show::{Stage, show};
+use chartwright::{derive, parse, pipeline, resolve};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The stages, each with the ending of its snapshot.
@@ -27,29 +28,39 @@ fn every_stage_of_every_model() {
 }
 
 fn stages(model: &Model) -> [String; 7] {
-    let (tree, diagnostics) = parse::parse(&model.source);
-    assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let tree = tree.expect("a model without errors has a tree");
-    let mut whole = tree.clone();
-    let diagnostics = derive::expand(&mut whole);
-    assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let (mut machine, diagnostics) = resolve::resolve(&whole);
-    assert!(!diagnostics.has_errors(), "{}: {diagnostics:?}", model.name);
-    let diagnostics = check::check(&mut machine);
+    let (machine, diagnostics) = pipeline::check(&model.source);
     // What is known of some models, and meant so.
     let known: &[&str] = if model.name == "palletizer" { &["W502", "W503"] } else { &[] };
     assert!(diagnostics.iter().all(|d| known.contains(&d.code.number())), "{}: {diagnostics:?}", model.name);
-    let project = lower::lower(&machine);
+    let project = pipeline::lower(&machine.expect("a model without errors has a machine"));
     let header = Header { created: "1970-01-01T00:00:00".into(), version: "0".into(), remark: None };
-    [
-        source::source(&tree),
-        outline::outline(&machine),
-        text::sfc(&project),
-        text::ladder(&project),
-        emit::plcopen(&project, Dialect::Beremiz, &header),
-        emit::plcopen(&project, Dialect::Codesys, &header),
-        names::table(&project, &machine, &LineIndex::new(&model.source)),
-    ]
+    let [tree, chart, sfc, ladder, names] =
+        Stage::ALL.map(|stage| show(&model.source, stage).0.expect("a model without errors has every stage"));
+    let [beremiz, codesys] =
+        [Dialect::Beremiz, Dialect::Codesys].map(|d| readable(emit::plcopen(&project, d, &header)));
+    [tree, chart, sfc, ladder, beremiz, codesys, names]
+}
+
+/// The longest XML that a person reads through, in bytes.
+const WHOLE: usize = 100 * 1024;
+
+/// An XML, or of a long one how long it is, a hash of it, and how often each element stands in it: the other stages
+/// say what is in it.
+fn readable(xml: String) -> String {
+    if xml.len() <= WHOLE {
+        return xml;
+    }
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for tag in xml.split('<').skip(1).filter(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic())) {
+        let name = tag.split(|c: char| c.is_whitespace() || c == '>' || c == '/').next().unwrap_or(tag);
+        *counts.entry(name).or_default() += 1;
+    }
+    // FNV-1a, as its authors publish it.
+    let hash = xml
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
+    let counts: String = counts.iter().map(|(name, count)| format!("{count:>8} {name}\n")).collect();
+    format!("{:>8} bytes\n{hash:016x} FNV-1a\n{counts}", xml.len())
 }
 
 #[test]

@@ -23,6 +23,7 @@ Examples:
   chartwright verify door.chart    say what is true of all its runs
   chartwright test door.chart      run the scenarios that it holds
   chartwright simulate door.chart  try it out
+  chartwright show door.chart      show what is made of it
   chartwright explain E101         explain an error
 
 Exit codes:
@@ -48,6 +49,7 @@ pub enum Command {
     Test(Test),
     Simulate(Simulate),
     Constraints(Constraints),
+    Show(Show),
     Stats(Stats),
     Explain(Explain),
 }
@@ -318,6 +320,49 @@ pub enum Form {
     Json,
     /// The graphs G and GO, for Graphviz.
     Dot,
+}
+
+/// Shows a stage of a model on its way to a program, as text.
+///
+/// Reads FILE and prints what the compiler has made of it: `tree` is the text as it was understood,
+/// `chart` the machine with all names resolved, constraints derived and the laws of actuators worked
+/// out, `sfc` and `ladder` the programs, `names` a table of what each name in the PLC stands for.
+#[derive(Args, Debug)]
+#[command(after_long_help = "\
+Examples:
+  chartwright show door.chart
+  chartwright show door.chart --stage ladder
+  chartwright show door.chart --stage names > door.csv
+
+Exit codes:
+  0  shown; warnings may have been given
+  1  the model has errors, or the file cannot be read
+  2  the command line is wrong")]
+pub struct Show {
+    /// The model.
+    pub file: PathBuf,
+
+    /// Which stage.
+    #[arg(long, value_enum, default_value_t = ShowStage::Chart)]
+    pub stage: ShowStage,
+
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// A stage of a model on its way to a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShowStage {
+    /// The text as it was understood.
+    Tree,
+    /// The machine with all names resolved.
+    Chart,
+    /// The SFC programs.
+    Sfc,
+    /// The ladder programs.
+    Ladder,
+    /// What each name in the PLC stands for, as CSV.
+    Names,
 }
 
 /// Counts what a model and its program consist of.

@@ -13,6 +13,7 @@ mod prove;
 mod replay;
 mod report;
 mod session;
+mod show;
 mod simulate;
 mod stats;
 mod test;
@@ -94,6 +95,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Test(args) => test::run(&args),
             Command::Simulate(args) => simulate::run(&args),
             Command::Constraints(args) => constraints::run(&args),
+            Command::Show(args) => show::run(&args),
             Command::Stats(args) => stats::run(&args),
             Command::Explain(args) => explain::run(&args),
         },

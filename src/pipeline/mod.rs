@@ -2,10 +2,12 @@
 
 mod exactly;
 pub mod findings;
+mod front;
 pub mod needed;
 pub mod replay;
 mod run;
 mod rungs;
+pub mod show;
 pub mod verify;
 pub mod without;
 
@@ -17,33 +19,25 @@ use crate::ir::plc::Project;
 use crate::ir::scenario::Condition;
 use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
-use crate::{check, derive, lower, parse, read, resolve};
+use crate::{derive, lower, parse, read};
+use front::Front;
 
 pub use crate::emit::Dialect;
 pub use crate::prove::Statistics;
 
 /// Text to a machine that keeps every rule. Without errors among the diagnostics there is one.
 pub fn check(source: &str) -> (Option<Machine>, Diagnostics) {
-    without::check(source, &[])
+    front::front(source, |_| Diagnostics::new()).whole()
 }
 
 /// Text to what is to be known about its constraints. Where these contradict each other, or one does not say
 /// who yields, there are errors among the diagnostics, and an analysis all the same.
 pub fn constraints(source: &str) -> (Option<Analysis>, Diagnostics) {
-    let (tree, mut diagnostics) = parse::parse(source);
-    let Some(mut tree) = tree else { return (None, diagnostics) };
-    diagnostics.append(derive::expand(&mut tree));
-    let (mut machine, mut found) = resolve::resolve(&tree);
-    found.append(std::mem::take(&mut diagnostics));
+    let Front { machine, resolving, checking } = front::front(source, |_| Diagnostics::new());
     let harmless = [Code::NobodyYields, Code::CannotYield];
-    let whole = found.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
-    let resolved = !found.has_errors();
-    diagnostics.append(found);
-    if resolved {
-        diagnostics.append(check::check(&mut machine));
-    }
-    diagnostics.sort();
-    (whole.then(|| Analysis::of(&machine)), diagnostics)
+    let whole = resolving.iter().all(|d| d.severity() == Severity::Warning || harmless.contains(&d.code));
+    let analysis = machine.filter(|_| whole).map(|machine| Analysis::of(&machine));
+    (analysis, front::all(resolving, checking))
 }
 
 /// Text to the constraints that can be derived from its actuators and forbidden positions, whether the model

@@ -3,11 +3,10 @@
 //! They are taken out of the syntax tree, derived ones too, before anything looks at them: what comes out is what the
 //! compiler makes of a model without them, or why it would refuse that model.
 
+use super::front::front;
 use crate::base::{Code, Diagnostic, Diagnostics, iec};
-use crate::check;
 use crate::ir::ast::{self, Guard, Term};
 use crate::ir::chart::Machine;
-use crate::{derive, parse, resolve};
 use std::collections::BTreeSet;
 
 /// Text to a machine that keeps every rule, without the constraints of these names. Without errors among the
@@ -15,20 +14,11 @@ use std::collections::BTreeSet;
 ///
 /// Where some are left out, so are scenarios, and the properties that ask what the filter does for them.
 pub fn check(source: &str, without: &[String]) -> (Option<Machine>, Diagnostics) {
-    let (tree, mut diagnostics) = parse::parse(source);
-    let Some(mut tree) = tree else { return (None, diagnostics) };
-    diagnostics.append(derive::expand(&mut tree));
-    if !without.is_empty() {
-        diagnostics.append(leave_out(&mut tree, without));
-    }
-    let (mut machine, found) = resolve::resolve(&tree);
-    diagnostics.append(found);
-    if !diagnostics.has_errors() {
-        diagnostics.append(check::check(&mut machine));
-    }
-    diagnostics.sort();
-    let machine = (!diagnostics.has_errors()).then_some(machine);
-    (machine, diagnostics)
+    let leave_out = |tree: &mut ast::Machine| match without {
+        [] => Diagnostics::new(),
+        names => leave_out(tree, names),
+    };
+    front(source, leave_out).whole()
 }
 
 /// Takes constraints out of a tree, and reports names that are none.

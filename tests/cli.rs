@@ -421,7 +421,7 @@ fn every_stage_is_shown() {
     }
 }
 
-/// The numbers that the paper gives for its machine (seed 002).
+/// The numbers that the paper gives for its machine (the paper on statecharts).
 #[test]
 fn indexa_has_the_published_size() {
     let output = chartwright(&repository("models"), "stats --format json indexa.chart");

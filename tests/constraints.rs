@@ -59,7 +59,7 @@ impl Case {
         machine.safety.assumptions.iter().all(|a| !a.never.eval(&mut |&a| self.reading(a)))
     }
 
-    /// What goes wrong in the corrected algorithm of method.md, and whether its outputs are safe.
+    /// What goes wrong in the corrected algorithm, and whether its outputs are safe.
     fn run(self, machine: &Machine) -> (BTreeSet<(u8, OutputId)>, bool) {
         let mut wrong = BTreeSet::new();
         let constraints: Vec<_> =
@@ -230,7 +230,7 @@ fn broken(analysis: &Analysis) -> Vec<u32> {
     analysis.properties.iter().filter(|p| !p.holds).map(|p| p.number).collect()
 }
 
-/// The worked example of method.md, section 3.
+/// A worked example of five outputs.
 fn worked(yields: &str) -> Analysis {
     let outputs = ["o1", "o2", "o3", "o4", "o5"];
     let inputs = ["i1", "i2", "i3", "i4", "i5"];
@@ -263,7 +263,7 @@ fn the_worked_example_has_the_matrices_of_the_paper() {
     assert!(witness.starts_with("o3 yields to CSc5 by going off and to CSc4 by going on: "), "{witness}");
 }
 
-/// The four cylinders of machines.md, section (a).
+/// The four cylinders of the paper on logical constraints.
 fn cylinders() -> Analysis {
     let mut safety = String::new();
     for k in 1..=4 {
@@ -300,7 +300,7 @@ fn the_four_cylinders_are_coherent() {
     assert_eq!(a.constraints[6].products[0].never, "rise(o1) and rise(o2) and i1");
 }
 
-/// The palletizer of machines.md, section (d).
+/// The palletizer of the paper on ITS PLC.
 fn palletizer(lift: &str, rollers: [&str; 2]) -> Analysis {
     let [second, third] = rollers;
     let safety = format!(

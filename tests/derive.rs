@@ -1,5 +1,5 @@
-//! Constraints that follow from actuators and forbidden positions: those of the prehensor against the table
-//! of machines.md, and any by trying all that a plant can do.
+//! Constraints that follow from actuators and forbidden positions: those of the prehensor against the paper's
+//! table, and any by trying all that a plant can do.
 
 use crate::support::binary::{Scratch, chartwright, code, stderr, stdout};
 use crate::support::models::{repository, timed};

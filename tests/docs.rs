@@ -2,6 +2,7 @@
 
 use crate::support::models::repository;
 use chartwright::{parse, pipeline};
+use std::path::{Path, PathBuf};
 
 /// The fenced blocks of a page with the words behind the fence and the line where each begins.
 fn fences(page: &str) -> Vec<(String, String, usize)> {
@@ -77,4 +78,36 @@ fn readme_shows_the_real_indexa() {
     for block in shown.1.split("\n\n") {
         assert!(model.contains(&squeezed(block)), "README shows what the model does not say:\n{block}");
     }
+}
+
+/// The pages that a reader of the repository meets.
+fn pages(folder: &Path, into: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("the folder can be read") {
+        let path = entry.expect("its entries can be read").path();
+        if path.is_dir() {
+            pages(&path, into);
+        } else if path.extension().is_some_and(|e| e == "md") {
+            into.push(path);
+        }
+    }
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut all: Vec<PathBuf> = ["README.md", "CHANGELOG.md"].map(repository).into();
+    pages(&repository("docs"), &mut all);
+    let mut followed = 0;
+    for page in all {
+        let text = std::fs::read_to_string(&page).expect("pages can be read");
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()) {
+            let target = link.split('#').next().unwrap_or(link);
+            if target.is_empty() || target.contains("://") {
+                continue;
+            }
+            let target = page.parent().expect("a page is in a folder").join(target);
+            assert!(target.exists(), "{}: {link} leads nowhere", page.display());
+            followed += 1;
+        }
+    }
+    assert!(followed > 20, "only {followed} links were found");
 }

@@ -1,5 +1,5 @@
-//! The constraints leave the filter a way out: properties 1, 3 and 4 of seed 001, for all that the filter
-//! can come to under the declared assumptions ([`crate::constraints::properties`]).
+//! The constraints leave the filter a way out: properties 1, 3 and 4 of the paper on logical constraints, for
+//! all that the filter can come to under the declared assumptions ([`crate::constraints::properties`]).
 
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::constraints::properties::{self, Kind, Violation};

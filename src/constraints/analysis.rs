@@ -64,7 +64,7 @@ pub struct ProductReport {
     pub forces: Vec<String>,
 }
 
-/// How many outputs of this scan a product binds (seed 001).
+/// How many outputs of this scan a product binds (the paper on logical constraints).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProductKind {
@@ -74,7 +74,7 @@ pub enum ProductKind {
     Combined,
 }
 
-/// What a product depends on (seed 000).
+/// What a product depends on (the paper on validation filters).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Nature {
@@ -101,7 +101,7 @@ pub struct OutputReport {
     pub fc1: Vec<String>,
 }
 
-/// A property of seed 001, decided.
+/// A property of the paper on logical constraints, decided.
 #[derive(Clone, Debug, Serialize)]
 pub struct Property {
     /// Its number there; 0 is what its graph takes for granted.

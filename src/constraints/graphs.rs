@@ -1,4 +1,4 @@
-//! Combined products to the matrices and graphs of seed 001 (equations 14 to 16).
+//! Combined products to the matrices and graphs of the paper on logical constraints (equations 14 to 16).
 //!
 //! MX0 and MX1 say which outputs a product names complemented and plain, MC0 and MC1 which it forces off
 //! and on when it is relieved. MX = MX1ᵀ·MX0 + MX0ᵀ·MX1 joins products that name an output with both

@@ -7,7 +7,7 @@
 //! | [`sweeps`] | how many sweeps `relief in-order` takes |
 //! | [`safe`] | whether any outputs meet all constraints |
 //! | [`redundancy`] | constraints that the others imply |
-//! | [`graphs`] | the matrices and graphs of seed 001 |
+//! | [`graphs`] | the matrices and graphs of the paper on logical constraints |
 //! | [`analysis`] | all of it, in names and texts |
 //! | [`show`] | that as text and for Graphviz |
 //! | [`words`] | products in the words of the model |

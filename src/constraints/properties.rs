@@ -1,5 +1,5 @@
-//! Whether the filter can always meet all constraints: properties 1, 3 and 4 of seed 001, decided
-//! exactly under the declared assumptions, each violation with a case in which it happens.
+//! Whether the filter can always meet all constraints: properties 1, 3 and 4 of the paper on
+//! logical constraints, decided exactly under the declared assumptions, each violation with a case in which it happens.
 //!
 //! Exactly means: for everything that the filter can come to. Commands are arbitrary, and so is what
 //! constraints read as far as the assumptions allow; the outputs are what the rounds of the filter

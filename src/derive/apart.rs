@@ -3,7 +3,7 @@
 //! Each actuator is at its first position, between, or at its second: nine combinations, some of them
 //! forbidden. Sensors are read once per scan, and between two readings an actuator can go any way along its
 //! order; so an order counts as if it led to its end at once. With that, four rules keep what is forbidden
-//! out of reach (their numbers in the table of the prehensor, machines.md):
+//! out of reach (their numbers in the paper's table of the prehensor):
 //!
 //! - *way* (K11 to K13): an order is not given while the other actuator stands where this order would lead
 //!   into what is forbidden. For the bistable actuator that `forbid` names first, it is not kept up either;

@@ -2,7 +2,7 @@
 //!
 //! A bistable actuator's outputs are never both TRUE; the one that comes second gives way, and both do if
 //! they come together. An order ends where the end is reached: it is not given there (the constraint
-//! Xuc·↑Ec of seed 000), and given up in the very scan that reaches it (Xc·↑Euc). The level form says both at
+//! Xuc·↑Ec of the paper on validation filters), and given up in the very scan that reaches it (Xc·↑Euc). The level form says both at
 //! once and loses no edge.
 //!
 //! The output of a monostable actuator stays TRUE at its end, and an on/off one has no ends: nothing follows.

@@ -6,7 +6,7 @@
 //!
 //! | module | derives |
 //! | --- | --- |
-//! | [`ends`] | what each actuator's technology demands (seed 000, its position and output automata) |
+//! | [`ends`] | what each actuator's technology demands (the paper on validation filters, its position and output automata) |
 //! | [`apart`] | what keeps forbidden positions of two actuators unreachable |
 
 mod apart;

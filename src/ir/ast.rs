@@ -158,7 +158,7 @@ pub struct Actuator {
     pub positions: Vec<Position>,
 }
 
-/// The technology of an actuator (seed 002, section 2).
+/// The technology of an actuator (the paper on statecharts, section 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technology {
     /// Two outputs, one per direction, each TRUE only while moving toward its position.

@@ -1,6 +1,6 @@
 //! Safety constraints as the filter sees them: forcings by simple products, reliefs by combined
-//! ones, and the graph that says how reliefs set each other off (seed 001; property names and the
-//! graph GO are those of the paper).
+//! ones, and the graph that says how reliefs set each other off (the paper on logical
+//! constraints, from which the names of properties and of the graph GO come).
 
 use super::chart::{Atom, ConstraintId, OutputId, Safety, outputs_of};
 use super::sop::Product;

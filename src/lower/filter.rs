@@ -1,5 +1,5 @@
-//! Constraints to the rungs of the filter: the corrected algorithm of seed 001 (method.md, section
-//! 4), its rounds unrolled.
+//! Constraints to the rungs of the filter: the corrected algorithm of the paper on logical
+//! constraints, its rounds unrolled.
 //!
 //! In round r the selection of an output is
 //! `Sel = not Off and (not Yield and Cmd or Raise) or On`, where `Off` and `On` come from simple

@@ -1,4 +1,4 @@
-//! The safety filter as Boolean functions: seed 001, figure 7, in its corrected form.
+//! The safety filter as Boolean functions: the paper on logical constraints, figure 7, in its corrected form.
 //!
 //! Written from the algorithm, not from the rungs that it is compiled to: round after round the
 //! selection is computed from commands, forcings and the reliefs gathered so far, combined products
@@ -8,7 +8,7 @@
 //! That also settles what happens when the plant breaks an assumption and a violated product cannot be
 //! relieved: the filter stays with what it selects when no new product is violated any more.
 //!
-//! With `relief in-order` (seed 003) the machine says how many sweeps are made. That they suffice is
+//! With `relief in-order` (the paper on ITS PLC) the machine says how many sweeps are made. That they suffice is
 //! proved as well, under the assumptions.
 
 use super::{chart_numbers, configuration};

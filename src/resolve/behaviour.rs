@@ -95,7 +95,7 @@ fn condition(r: &mut Resolver, written: &Option<ast::Guard>, context: &Context) 
     written.as_ref().map_or(Expr::TRUE, |g| r.guard(g, context))
 }
 
-/// The output law (seed 002, section 3): bistable between the positions, monostable between and in
+/// The output law (the paper on statecharts, section 3): bistable between the positions, monostable between and in
 /// the position of its output, on/off in the position only.
 fn technology(r: &mut Resolver) {
     let machine = &mut r.machine;

@@ -1,7 +1,7 @@
 //! Functions and sequences to charts, variables and events: the syntax tree as it would be written
 //! without them. Everything that follows sees charts only.
 //!
-//! A function `F` (seed 000, in the reading of method.md, section 7) becomes the chart `F` with the
+//! A function `F` (the paper on validation filters) becomes the chart `F` with the
 //! states `F_Off` and `F_Running` (Fi1), the events `F_Activate` (RA), `F_Deactivate` (RD) and
 //! `F_Ended`, and the variable `F_Requested` (Fi2). If the learner drives it, the variables `F_ds` and
 //! `F_fs` are its alarms.

@@ -18,7 +18,7 @@ pub struct Stats {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MachineStats {
-    /// Charts, composite states and named regions (seed 002, section 3); observers are no modes of the machine.
+    /// Charts, composite states and named regions (the paper on statecharts, section 3); observers are no modes of the machine.
     pub macro_states: usize,
     /// All other states, movements and final states included; those of observers are not.
     pub elementary_states: usize,

@@ -261,7 +261,7 @@ impl Set {
         End::Stuck
     }
 
-    /// Figure 7 of seed 001, as it is printed: forcings are forgotten, the counter decides, and the fallback
+    /// Figure 7 of the paper on logical constraints, as it is printed: forcings are forgotten, the counter decides, and the fallback
     /// asks simple constraints only. Returns the outputs, and whether they are the fallback.
     pub fn published(&self, case: &Case, commands: &[bool]) -> (Vec<bool>, bool) {
         let forced = self.forced(case);

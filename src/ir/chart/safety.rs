@@ -35,7 +35,7 @@ pub struct Forbidden {
     pub span: Span,
 }
 
-/// What the filter does about a violation (seed 001).
+/// What the filter does about a violation (the paper on logical constraints).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterMode {
     /// A violation stops the machine until it is reset: commands are taken as FALSE, and outputs are
@@ -50,10 +50,10 @@ pub enum FilterMode {
 /// How combined constraints are relieved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Relief {
-    /// In rounds, all that are violated together (seed 001, corrected): order means nothing.
+    /// In rounds, all that are violated together (the paper on logical constraints, corrected): order means nothing.
     #[default]
     Together,
-    /// In sweeps, each in its turn and at once, as they are written (seed 003).
+    /// In sweeps, each in its turn and at once, as they are written (the paper on ITS PLC).
     InOrder {
         /// How many sweeps are made: as many as it takes at most to meet all constraints.
         sweeps: usize,

@@ -19,8 +19,6 @@ use crate::ir::plc::{Global, GlobalId, Origin, Role, Value};
 use crate::lower::context::{Condition, Context};
 use crate::lower::rungs::rung;
 
-/// What the filter itself is called.
-
 impl Filter {
     /// Holds the constraints against the commands and lets none of these count while the machine is
     /// stopped.

@@ -1,4 +1,4 @@
-//! Sweeps of `relief in-order` (seed 003): combined products in the order in which they are written, each
+//! Sweeps of `relief in-order` (the paper on ITS PLC): combined products in the order in which they are written, each
 //! relieved at once.
 //!
 //! Every relief gives its output a new selection coil, which all that comes after it reads:

@@ -1,4 +1,4 @@
-//! Constraints to the corrected filter of seed 001, run in rounds.
+//! Constraints to the corrected filter of the paper on logical constraints, run in rounds.
 //!
 //! ```text
 //! fc0 := 0; fc1 := 0

@@ -19,7 +19,7 @@ use crate::ir::plc::Project;
 use crate::ir::scenario::Condition;
 use crate::prove::{self, Doubt, Verdict};
 use crate::simulate::run::Program;
-use crate::{derive, lower, parse, read};
+use crate::{derive, lower, parse, read, resolve};
 use front::Front;
 
 pub use crate::emit::Dialect;

@@ -12,9 +12,8 @@ use chartwright::simulate::run::Program as Runs;
 use chartwright::simulate::scenario::play;
 use chartwright::verify::Limits;
 
-/// Times pass freely: exact ones are held against exploration in `verify_exactly`.
 fn options(open: bool) -> Options {
-    Options { open, times: Times::Free, ..Options::default() }
+    Options { open, ..Options::default() }
 }
 
 fn ask(text: &str, options: &Options) -> Verified {
@@ -148,9 +147,7 @@ fn every_run_of_small_models_is_one_of_the_simulator() {
             let verified = ask(&model.source, &options(open));
             for answer in &verified.answers {
                 let Some(run) = &answer.run else { continue };
-                // Times pass as a run needs them, which a fixed cycle may not give.
-                let timed = model.source.contains("after ");
-                assert!(timed || run.replayed == Some(true), "{} {open}: {:?}", model.name, answer.question);
+                assert_eq!(run.replayed, Some(true), "{} {open}: {:?}", model.name, answer.question);
                 runs += 1;
             }
         }
@@ -168,10 +165,9 @@ fn every_run_of_random_models_is_one_of_the_simulator() {
             continue;
         }
         let verified = ask(&text, &Options { limits, ..options(true) });
-        let timed = text.contains("after ");
         for answer in &verified.answers {
             let Some(run) = &answer.run else { continue };
-            assert!(timed || run.replayed == Some(true), "{seed}: {:?}\n{text}", answer.question);
+            assert_eq!(run.replayed, Some(true), "{seed}: {:?}\n{text}", answer.question);
             runs += 1;
         }
         // What the simulator reaches by chance is reachable.

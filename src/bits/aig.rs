@@ -23,11 +23,13 @@ impl Lit {
     pub const TRUE: Lit = Lit(1);
 
     /// The index of the node.
+    #[inline]
     pub fn node(self) -> usize {
         (self.0 >> 1) as usize
     }
 
     /// Whether the opposite of the node is meant.
+    #[inline]
     pub fn is_negated(self) -> bool {
         self.0 & 1 == 1
     }
@@ -109,6 +111,7 @@ impl Aig {
     }
 
     /// What the node of that index is.
+    #[inline]
     pub fn node(&self, index: usize) -> Node {
         self.nodes[index]
     }
@@ -392,6 +395,7 @@ impl Aig {
 }
 
 /// The 64 values of a literal after [`Aig::simulate`].
+#[inline]
 pub fn lanes(values: &[u64], l: Lit) -> u64 {
     values[l.node()] ^ if l.is_negated() { u64::MAX } else { 0 }
 }

@@ -446,8 +446,18 @@ fn scenario(machine: &Machine, question: Question, options: &Options, doings: &[
                     None => format!("  expect {}\n", condition(i)),
                 }
             }
-            PropertyKind::AlwaysPossible | PropertyKind::Fair => {}
+            // What it takes to come there once it is possible again only the author knows.
+            PropertyKind::AlwaysPossible => {
+                let words: Vec<&str> = condition(i).split_whitespace().collect();
+                end = format!("  // from here on it cannot come any more: {}\n", words.join(" "));
+            }
+            PropertyKind::Fair => {}
         }
+    }
+    match question {
+        Question::Moves => end = "  // from here on no transition can fire any more\n".to_owned(),
+        Question::Assumable => end = "  // from here on the assumptions leave no inputs\n".to_owned(),
+        _ => {}
     }
     let mut scenario = format!("scenario {} {{\n{watch}", quoted(&name));
     doings.iter().for_each(|d| write_doing(machine, d, &mut scenario));

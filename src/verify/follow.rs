@@ -3,7 +3,7 @@
 //! It goes along the run and gives the same inputs. Where something has not come as far as it has there, it waits: nothing else comes in
 //! until it has, in [leaps](super::machine::clocks) where it can. What it finds is a run by itself; that it finds none tells nothing.
 
-use super::aig::{Lit, lanes};
+use super::aig::{Lit, Node, lanes};
 use super::limits::Stop;
 use super::system::{Giver, System, Trace};
 use std::collections::HashMap;
@@ -31,12 +31,12 @@ pub struct Found {
 /// Runs of `fine` that end with one of the `bads`, along a run of `coarse`, which has latches and inputs of the same names. It ends when
 /// the first one of them has shown.
 pub fn follow(coarse: &System, fine: &System, trace: &Trace, bads: &[Lit], stop: Stop<'_>) -> Vec<Found> {
-    let Some(along) = Along::new(coarse, fine, trace) else { return Vec::new() };
+    let Some(along) = Along::new(coarse, fine, trace, bads) else { return Vec::new() };
     let mut found = Vec::new();
     for close in [true, false] {
         let left = if close { 20 } else { 2 } * trace.inputs.len() + PATIENCE;
-        let mut walk =
-            Walk { along: &along, close, state: along.initial.clone(), inputs: Vec::new(), bads, found, left, stop };
+        let (state, values, inputs) = (along.initial.clone(), Vec::new(), Vec::new());
+        let mut walk = Walk { along: &along, close, state, values, inputs, bads, found, left, stop };
         walk.go();
         found = walk.found;
         if found.iter().any(|f| f.bad == 0) {
@@ -52,6 +52,7 @@ struct Walk<'a, 's> {
     /// Whether all that is remembered has to be as it is along the other run, and not only what changes there.
     close: bool,
     state: Vec<bool>,
+    values: Vec<u64>,
     inputs: Vec<Vec<bool>>,
     bads: &'a [Lit],
     found: Vec<Found>,
@@ -69,13 +70,16 @@ struct Along<'s> {
     wanted: Vec<Vec<bool>>,
     /// The latches that both have.
     common: Vec<usize>,
-    /// The input that says that time passes, and those that say how long.
+    /// The input that says that time passes.
     leap: Option<usize>,
-    waits: Vec<usize>,
+    /// That one and those that say how long, each with the lanes in which it is TRUE.
+    leaps: Vec<(usize, u64)>,
+    /// What is evaluated.
+    cone: Vec<usize>,
 }
 
 impl<'s> Along<'s> {
-    fn new(coarse: &System, fine: &'s System, trace: &Trace) -> Option<Along<'s>> {
+    fn new(coarse: &System, fine: &'s System, trace: &Trace, bads: &[Lit]) -> Option<Along<'s>> {
         let latches: HashMap<&str, usize> =
             coarse.latches.iter().enumerate().map(|(i, l)| (coarse.name(l.leaf), i)).collect();
         let inputs: HashMap<&str, usize> =
@@ -100,33 +104,59 @@ impl<'s> Along<'s> {
         let waits: Vec<usize> = of(Giver::Wait).collect();
         // Where times are exact the clock says nothing else.
         let leap = of(Giver::Clock).next().filter(|_| !waits.is_empty());
-        Some(Along { fine, initial: begins.collect(), inputs: given.collect(), wanted, common, leap, waits })
+        let lanes = |is: &dyn Fn(u64) -> bool| {
+            (1..LANES).filter(|&lane| passes(lane).is_some_and(is)).fold(0, |word, lane| word | 1 << lane)
+        };
+        let bits = waits.iter().enumerate().map(|(i, &input)| (input, lanes(&|scans| scans >> i & 1 == 1)));
+        let leaps = leap.iter().map(|&input| (input, lanes(&|_| true))).chain(bits).collect();
+        let nexts = fine.latches.iter().map(|l| l.next);
+        let roots: Vec<Lit> = fine.constraints.iter().copied().chain(nexts).chain(bads.iter().copied()).collect();
+        let cone = fine.aig.cone(&roots);
+        let (initial, inputs) = (begins.collect(), given.collect());
+        Some(Along { fine, initial, inputs, wanted, common, leap, leaps, cone })
     }
 
-    /// The inputs of a lane.
-    fn lane(&self, lane: usize, before: &[bool], next: &[bool]) -> Vec<bool> {
-        let half = LANES / 2;
-        let mut inputs = if lane == 0 || lane >= half { next.to_vec() } else { before.to_vec() };
-        let leaps = lane % half;
-        if let Some(leap) = self.leap
-            && leaps > 1
-        {
-            // 1, 2, 3, 4, 6, 8, 12, 16, …
-            let (power, more) = ((leaps - 1) / 2, (leaps - 1) % 2);
-            let scans = if power == 0 { 1 } else { (2 + more) << (power - 1) };
-            inputs[leap] = true;
-            self.waits.iter().enumerate().for_each(|(i, &bit)| inputs[bit] = scans >> i & 1 == 1);
+    /// The words of the inputs: with the next ones as they are given in the first lane, with those from before in the rest of the
+    /// first half and with the next ones in the second half, where time passes for longer and longer from lane to lane.
+    fn words(&self, before: &[bool], next: &[bool]) -> Vec<u64> {
+        let second = u64::MAX << (LANES / 2);
+        let first = !second & !1;
+        let word = |value: bool, lanes: u64| if value { lanes } else { 0 };
+        let mut words: Vec<u64> =
+            before.iter().zip(next).map(|(&was, &is)| word(was, first) | word(is, second | 1)).collect();
+        for &(input, leaps) in &self.leaps {
+            words[input] = word(next[input], 1) | leaps;
         }
-        inputs
+        words
     }
 
-    fn evaluate(&self, state: &[bool], tried: &[Vec<bool>]) -> Vec<u64> {
-        let latches: Vec<u64> = state.iter().map(|&value| if value { u64::MAX } else { 0 }).collect();
-        let inputs: Vec<u64> = (0..self.fine.inputs.len())
-            .map(|i| tried.iter().enumerate().fold(0, |word, (lane, inputs)| word | u64::from(inputs[i]) << lane))
-            .collect();
-        self.fine.lanes(&latches, &inputs)
+    /// One lane of such words.
+    fn lane(words: &[u64], lane: usize) -> Vec<bool> {
+        words.iter().map(|word| word >> lane & 1 == 1).collect()
     }
+
+    /// The values of all nodes that matter, with these words of the inputs.
+    fn evaluate(&self, state: &[bool], words: &[u64], values: &mut Vec<u64>) {
+        let fine = self.fine;
+        values.resize(fine.aig.len(), 0);
+        for (l, &value) in fine.latches.iter().zip(state) {
+            values[l.leaf.node()] = if value { u64::MAX } else { 0 };
+        }
+        fine.inputs.iter().zip(words).for_each(|(i, &word)| values[i.leaf.node()] = word);
+        for &n in &self.cone {
+            if let Node::And(a, b) = fine.aig.node(n) {
+                values[n] = lanes(values, a) & lanes(values, b);
+            }
+        }
+    }
+}
+
+/// How long time passes in a lane beside the first scan: 1, 2, 3, 4, 6, 8, 12, 16, … in each half; nothing in its first two.
+fn passes(lane: usize) -> Option<u64> {
+    let leaps = lane % (LANES / 2);
+    let step = leaps.checked_sub(1).filter(|&step| step > 0)?;
+    let (power, more) = (step / 2, step % 2);
+    Some(if power == 0 { 1 } else { (2 + more as u64) << (power - 1) })
 }
 
 impl Walk<'_, '_> {
@@ -153,40 +183,44 @@ impl Walk<'_, '_> {
                 return false;
             }
             self.left = self.left.saturating_sub(1);
-            let tried: Vec<Vec<bool>> = (0..LANES).map(|lane| self.along.lane(lane, before, next)).collect();
-            let values = self.along.evaluate(&self.state, &tried);
-            let word = |l: Lit| lanes(&values, l);
+            let words = self.along.words(before, next);
+            self.along.evaluate(&self.state, &words, &mut self.values);
+            let word = |l: Lit| lanes(&self.values, l);
             let valid = fine.constraints.iter().fold(u64::MAX, |all, &c| all & word(c));
             let shows = valid & word(self.bads[0]);
             let after = |lane: usize, l: usize| word(fine.latches[l].next) >> lane & 1 == 1;
+            let changes = |l: usize| word(fine.latches[l].next) ^ if self.state[l] { u64::MAX } else { 0 };
+            // A leap that goes too far here is none.
+            let given = if valid & 1 == 0 && self.along.leap.is_some_and(|leap| next[leap]) { LANES / 2 } else { 0 };
             let is_wanted = |step: usize| {
                 let wanted = &self.along.wanted[step];
                 let was = |i: usize| step > 0 && self.along.wanted[step - 1][i];
                 let counts = |i: &usize| self.close || wanted[*i] != was(*i);
-                (0..wanted.len()).filter(counts).all(|i| after(0, self.along.common[i]) == wanted[i])
+                (0..wanted.len()).filter(counts).all(|i| after(given, self.along.common[i]) == wanted[i])
             };
-            let there = step.is_some_and(|step| valid & 1 == 1 && is_wanted(step));
-            let stays = |lane: usize| self.along.common.iter().all(|&l| after(lane, l) == self.state[l]);
-            let moves = |lane: usize| (0..fine.latches.len()).any(|l| after(lane, l) != self.state[l]);
+            let there = step.is_some_and(|step| valid >> given & 1 == 1 && is_wanted(step));
+            let moves = (0..fine.latches.len()).fold(0, |moves, l| moves | changes(l));
+            let stays = self.along.common.iter().fold(u64::MAX, |stays, &l| stays & !changes(l));
             // Longest first; what came in before rather than what is to come.
-            let waits = |lane: &usize| valid >> *lane & 1 == 1 && stays(*lane) && moves(*lane);
+            let waits = valid & stays & moves;
             let half = LANES / 2;
             let lane = if shows != 0 {
                 Some(shows.trailing_zeros() as usize)
             } else if there {
-                Some(0)
+                Some(given)
             } else {
+                let waits = |lane: &usize| waits >> *lane & 1 == 1;
                 let found = (1..half).rev().find(waits).or_else(|| (half..LANES).rev().find(waits));
                 // Something else moves first, or perhaps it does not matter.
                 let first = if self.close { 0 } else { 1 };
                 found.or((valid >> first & 1 == 1).then_some(first))
             };
             let Some(lane) = lane else { return false };
-            let moved = moves(lane);
+            let moved = moves >> lane & 1 == 1;
             let state = (0..fine.latches.len()).map(|l| after(lane, l)).collect();
             let shown: Vec<usize> = (0..self.bads.len()).filter(|&b| word(self.bads[b]) >> lane & 1 == 1).collect();
             self.state = state;
-            self.inputs.push(tried[lane].clone());
+            self.inputs.push(Along::lane(&words, lane));
             for bad in shown {
                 if !self.found.iter().any(|f| f.bad == bad) {
                     let (initial, inputs) = (self.along.initial.clone(), self.inputs.clone());

@@ -86,13 +86,19 @@ impl System {
     /// the scan before where the run still shows the same. A calm run is easier to read. What this may cost is bounded.
     pub fn calm(&self, trace: &Trace, property: Property, stop: Stop<'_>) -> Trace {
         let mut calm = trace.clone();
-        // What cannot come any more, cannot come from the end of the run on: it has to end there.
+        // What cannot come any more, cannot come from the end of the run on: it has to end there, as far as that matters.
+        let roots: Vec<Lit> = self.constraints.iter().copied().chain(property.literals()).collect();
+        let (matter, _) = self.cone(&roots);
+        let end = |run: &Trace| -> Option<Vec<bool>> {
+            let last = self.replay(run, &mut |_| {}).ok()?;
+            Some(matter.iter().map(|&l| last[l]).collect())
+        };
         let ends = match property {
-            Property::AlwaysPossible(_) | Property::NeverStuck => self.replay(trace, &mut |_| {}).ok(),
+            Property::AlwaysPossible(_) | Property::NeverStuck => end(trace),
             Property::Never(_) | Property::Eventually { .. } => None,
         };
         let shows = |calm: &Trace| match &ends {
-            Some(ends) => self.replay(calm, &mut |_| {}).as_ref() == Ok(ends),
+            Some(ends) => end(calm).as_ref() == Some(ends),
             None => self.shows(calm, property),
         };
         let replay = trace.inputs.len() as u64 * self.aig.len() as u64;

@@ -24,8 +24,14 @@ const TIMES: u8 = 4;
 /// Attempts to find inputs under which the constraints hold.
 const ATTEMPTS: usize = 12;
 
+/// The same where there are runs enough to begin from.
+const FEW_ATTEMPTS: usize = 4;
+
 /// Rounds without anything new after which it ends.
 const PATIENCE: usize = 200;
+
+/// Scans that a run goes on from where another one has been.
+const NEAR: usize = 8;
 
 /// What the walk has found.
 pub struct Walk {
@@ -44,6 +50,44 @@ pub fn wander(system: &System, wanted: &[bool], gates: u64, stop: Stop<'_>) -> W
     Walk { runs, states: walker.places.into_iter().map(|p| p.state).collect() }
 }
 
+/// Walks that begin where runs have been.
+pub struct Around<'s> {
+    walker: Walker<'s>,
+    /// The places before that one have been begun from.
+    next: usize,
+}
+
+impl<'s> Around<'s> {
+    /// Around no runs yet, in search of all that never is claimed to be.
+    pub fn new(system: &'s System) -> Around<'s> {
+        let bads: Vec<Option<Lit>> = system.claims.iter().map(|c| c.property.never()).collect();
+        let all = vec![true; bads.len()];
+        let mut walker = Walker::new(system, bads, &all);
+        walker.attempts = FEW_ATTEMPTS;
+        Around { walker, next: 0 }
+    }
+
+    /// Around this one, too.
+    pub fn follow(&mut self, run: &Trace) {
+        self.walker.follow(run);
+    }
+
+    /// Goes on from the states that are new since it did so last, not far, or from all of them if it begins `anew`. Returns runs that
+    /// show the opposite of claims that are `wanted`.
+    pub fn near(&mut self, wanted: &[bool], anew: bool, stop: Stop<'_>) -> Vec<(usize, Trace)> {
+        self.walker.want(wanted);
+        self.next = if anew { 0 } else { self.next };
+        while self.next < self.walker.places.len() && self.walker.open.contains(&true) && !stop() {
+            let places = self.walker.places.len();
+            let near = (0..64).map(|i| (self.next + i) % places).collect();
+            self.walker.stretch(near, NEAR);
+            self.next += 64;
+        }
+        let claims = (0..wanted.len()).filter(|&c| wanted[c]);
+        claims.filter_map(|c| Some((c, self.walker.trace(self.walker.runs[c]?)))).collect()
+    }
+}
+
 /// A state to go on from.
 struct Place {
     /// Where it was reached from, and by which inputs.
@@ -51,6 +95,8 @@ struct Place {
     inputs: Vec<Vec<bool>>,
     state: Vec<bool>,
     visits: u32,
+    /// What comes in next in a run that is followed.
+    next: Option<Vec<bool>>,
 }
 
 struct Walker<'s> {
@@ -65,9 +111,12 @@ struct Walker<'s> {
     features: Vec<Lit>,
     /// How often each was kept.
     seen: HashMap<u64, u8>,
+    /// The places of runs that are followed.
+    known: HashMap<Vec<bool>, usize>,
     /// Nodes to be evaluated, in order.
     cone: Vec<usize>,
     values: Vec<u64>,
+    attempts: usize,
     /// The lanes in which a time may be longer than what has been chosen of it.
     waits: u64,
     chance: u64,
@@ -96,8 +145,10 @@ impl<'s> Walker<'s> {
             places: Vec::new(),
             features,
             seen: HashMap::new(),
+            known: HashMap::new(),
             cone,
             values,
+            attempts: ATTEMPTS,
             waits: u64::MAX,
             chance: 0x9e37_79b9_7f4a_7c15,
         };
@@ -105,7 +156,7 @@ impl<'s> Walker<'s> {
         let beginnings = if system.latches.iter().all(|l| l.initial.is_some()) { 1 } else { 16 };
         for _ in 0..beginnings {
             let state = system.latches.iter().map(|l| l.initial.unwrap_or_else(|| walker.word() & 1 == 1)).collect();
-            walker.places.push(Place { from: None, inputs: Vec::new(), state, visits: 0 });
+            walker.places.push(Place { from: None, inputs: Vec::new(), state, visits: 0, next: None });
         }
         walker
     }
@@ -123,16 +174,43 @@ impl<'s> Walker<'s> {
         let mut idle = 0;
         while (self.open.contains(&true) || self.places.len() < ENOUGH) && idle < PATIENCE && left > 0 && !stop() {
             let before = self.places.len();
-            let spent = self.stretch();
+            let base = (0..64).map(|_| self.choose()).collect();
+            let spent = self.stretch(base, STRETCH);
             left = left.saturating_sub(spent);
             idle = if self.places.len() > before { 0 } else { idle + 1 };
         }
     }
 
-    /// Lets 64 runs go on for a while. Returns how many gates were evaluated.
-    fn stretch(&mut self) -> u64 {
+    /// Looks for runs of these claims only.
+    fn want(&mut self, wanted: &[bool]) {
+        for claim in 0..wanted.len() {
+            self.open[claim] = wanted[claim] && self.bads[claim].is_some() && self.runs[claim].is_none();
+        }
+    }
+
+    /// Makes places of all states of a run.
+    fn follow(&mut self, run: &Trace) {
         let system = self.system;
-        let mut base: Vec<usize> = (0..64).map(|_| self.choose()).collect();
+        let mut states = vec![run.initial.clone()];
+        let next = |values: &[u64]| system.latches.iter().map(|l| super::aig::lanes(values, l.next) & 1 == 1).collect();
+        if system.replay(run, &mut |values| states.push(next(values))).is_err() {
+            return;
+        }
+        let mut from = None;
+        for (i, state) in states.into_iter().enumerate() {
+            let place = self.known.get(&state).copied().unwrap_or_else(|| {
+                let inputs = i.checked_sub(1).map(|i| run.inputs[i].clone()).into_iter().collect();
+                self.known.insert(state.clone(), self.places.len());
+                self.places.push(Place { from, inputs, state, visits: 0, next: run.inputs.get(i).cloned() });
+                self.places.len() - 1
+            });
+            from = Some(place);
+        }
+    }
+
+    /// Lets 64 runs go on for a while, each from a place. Returns how many gates were evaluated.
+    fn stretch(&mut self, mut base: Vec<usize>, scans: usize) -> u64 {
+        let system = self.system;
         let mut since = [0usize; 64];
         let mut state = vec![0u64; system.latches.len()];
         for (lane, &place) in base.iter().enumerate() {
@@ -142,8 +220,11 @@ impl<'s> Walker<'s> {
             }
         }
         let mut now = vec![0u64; system.inputs.len()];
+        let hints = self.word();
         for (lane, &place) in base.iter().enumerate() {
-            let last = self.places[place].inputs.last().into_iter().flatten();
+            let Place { next, inputs, .. } = &self.places[place];
+            let hint = next.as_ref().filter(|_| hints >> lane & 1 == 1);
+            let last = hint.or(inputs.last()).into_iter().flatten();
             now.iter_mut().zip(last).for_each(|(word, &value)| *word |= u64::from(value) << lane);
         }
         // Some inputs keep their values for a while.
@@ -151,7 +232,7 @@ impl<'s> Walker<'s> {
         let mut history: Vec<Vec<u64>> = Vec::new();
         let mut alive = u64::MAX;
         let mut spent = 0;
-        for _ in 0..STRETCH {
+        for _ in 0..scans {
             let kept = self.constrain(&state, &mut now, &free, alive, &mut spent);
             alive &= kept;
             if alive == 0 {
@@ -182,7 +263,7 @@ impl<'s> Walker<'s> {
                 let inputs = history[since[lane]..].iter();
                 let inputs = inputs.map(|scan| scan.iter().map(|w| w >> lane & 1 == 1).collect()).collect();
                 let state = nexts.iter().map(|w| w >> lane & 1 == 1).collect();
-                self.places.push(Place { from: Some(base[lane]), inputs, state, visits: 0 });
+                self.places.push(Place { from: Some(base[lane]), inputs, state, visits: 0, next: None });
                 base[lane] = self.places.len() - 1;
                 since[lane] = history.len();
                 for claim in shows {
@@ -206,7 +287,7 @@ impl<'s> Walker<'s> {
     fn constrain(&mut self, state: &[u64], now: &mut [u64], free: &[u64], alive: u64, spent: &mut u64) -> u64 {
         let before = now.to_vec();
         let mut fits = 0;
-        for _ in 0..ATTEMPTS {
+        for _ in 0..self.attempts {
             self.waits = u64::MAX;
             for (i, word) in now.iter_mut().enumerate() {
                 *word = (*word & fits) | (self.input(i, before[i], free[i]) & !fits);

@@ -11,9 +11,9 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Alternative, Giver, Input, System};
 use crate::bits::vector::{self, Vector};
-use crate::ir::chart::{Machine, RegionId, StateId};
+use crate::ir::chart::{ActuatorId, Machine, RegionId, StateId};
 use crate::prove::chart_step::{ChartState, ChartStep};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// How times are taken.
@@ -25,17 +25,67 @@ pub enum Times {
     Free,
 }
 
+/// Something that takes time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Clock {
+    /// What the states of a region wait for.
+    Region(RegionId),
+    /// What an actuator takes on its way.
+    Travel(ActuatorId),
+    /// What a rule of the plant takes, by index.
+    Rule(usize),
+}
+
+/// Which clocks count. With one that does not more can happen than with one that does, and all else is the same: so what holds in all
+/// runs while some of them count does so when all do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// All.
+    All,
+    /// These; what the others wait for comes when it will.
+    These(BTreeSet<Clock>),
+}
+
+impl From<Times> for Counted {
+    fn from(times: Times) -> Counted {
+        match times {
+            Times::Exact => Counted::All,
+            Times::Free => Counted::These(BTreeSet::new()),
+        }
+    }
+}
+
+impl Counted {
+    /// Whether that clock counts.
+    pub fn has(&self, clock: Clock) -> bool {
+        match self {
+            Counted::All => true,
+            Counted::These(clocks) => clocks.contains(&clock),
+        }
+    }
+
+    /// Whether any may count.
+    pub fn some(&self) -> bool {
+        match self {
+            Counted::All => true,
+            Counted::These(clocks) => !clocks.is_empty(),
+        }
+    }
+}
+
 /// What is shared by all that counts.
 #[derive(Clone, Debug)]
 pub struct Clocks {
-    /// How times are taken.
-    pub times: Times,
+    /// Which clocks count.
+    pub counted: Counted,
     /// Whether the transition leaps.
     pub leap: Lit,
     /// How many scans it stands for, beside the first one; 0 without a leap.
     more: Vector,
     /// The latches that count.
     counting: Vec<bool>,
+    /// Whose they are, with the first of each.
+    owned: Vec<(Clock, usize)>,
     /// For what a leap must not go beyond: the first latch of the counter, and that it does not.
     bounds: Vec<(usize, Lit)>,
     /// What else has to be so for a leap: that writing the same outputs once more changes nothing.
@@ -53,9 +103,9 @@ pub struct Counter {
 
 impl Clocks {
     /// Of a system in which nothing asks for more than `most` scans.
-    pub fn new(system: &mut System, times: Times, most: u64) -> Clocks {
+    pub fn new(system: &mut System, counted: &Counted, most: u64) -> Clocks {
         let (mut leap, mut more) = (Lit::FALSE, vec![Lit::FALSE]);
-        if times == Times::Exact && most > 1 {
+        if counted.some() && most > 1 {
             leap = system.input("time passes", Giver::Clock);
             let bits = u64::BITS - (most - 1).leading_zeros();
             let inputs: Vec<Lit> =
@@ -63,12 +113,32 @@ impl Clocks {
             more = inputs.into_iter().map(|bit| system.aig.and(leap, bit)).collect();
             more.push(Lit::FALSE);
         }
-        Clocks { times, leap, more, counting: Vec::new(), bounds: Vec::new(), settled: Vec::new() }
+        Clocks {
+            counted: counted.clone(),
+            leap,
+            more,
+            counting: Vec::new(),
+            owned: Vec::new(),
+            bounds: Vec::new(),
+            settled: Vec::new(),
+        }
     }
 
     /// Whether times are exact.
     pub fn exact(&self) -> bool {
-        self.times == Times::Exact
+        self.counted == Counted::All
+    }
+
+    /// The clock of something that takes time, from 0 to `most`, at first `initial`.
+    pub fn clock(&mut self, system: &mut System, clock: Clock, name: &str, most: u64, initial: u64) -> Counter {
+        self.owned.push((clock, system.latches.len()));
+        self.counter(system, name, most, initial)
+    }
+
+    /// The clocks that count among those latches, which are in order.
+    pub fn among(&self, latches: &[usize]) -> BTreeSet<Clock> {
+        let owned = self.owned.iter().filter(|(_, first)| latches.binary_search(first).is_ok());
+        owned.map(|(clock, _)| *clock).collect()
     }
 
     /// A number from 0 to `most`, at first `initial`.
@@ -253,11 +323,23 @@ pub fn waits(machine: &Machine) -> bool {
     !machine.plant.travels.is_empty() || machine.plant.rules.iter().any(|r| r.delay > 0)
 }
 
-/// The largest number of scans for which anything in the machine waits.
-pub fn longest(machine: &Machine, timers: &[(StateId, u32)], plant: bool) -> u64 {
-    let timers = timers.iter().map(|t| scans(machine, t.1));
-    let travels = machine.plant.travels.iter().map(|t| u64::from(t.out.max(t.back)));
-    let rules = machine.plant.rules.iter().map(|r| u64::from(r.delay));
+/// The clocks of a machine, those of its plant only with it.
+pub fn of(machine: &Machine, timers: &[(StateId, u32)], plant: bool) -> BTreeSet<Clock> {
+    let regions = timers.iter().map(|t| Clock::Region(machine.states[t.0].region));
+    // One that takes at most so long is seen to in any case.
+    let travels = machine.plant.travels.iter().filter(|t| !t.at_most).map(|t| Clock::Travel(t.actuator));
+    let rules = machine.plant.rules.iter().enumerate().filter(|(_, r)| r.delay > 0).map(|(i, _)| Clock::Rule(i));
+    regions.chain(travels.chain(rules).filter(|_| plant)).collect()
+}
+
+/// The largest number of scans for which anything that counts waits.
+pub fn longest(machine: &Machine, counted: &Counted, timers: &[(StateId, u32)], plant: bool) -> u64 {
+    let timers = timers.iter().filter(|t| counted.has(Clock::Region(machine.states[t.0].region)));
+    let timers = timers.map(|t| scans(machine, t.1));
+    let travels = machine.plant.travels.iter().filter(|t| t.at_most || counted.has(Clock::Travel(t.actuator)));
+    let travels = travels.map(|t| u64::from(t.out.max(t.back)));
+    let rules = machine.plant.rules.iter().enumerate().filter(|(i, _)| counted.has(Clock::Rule(*i)));
+    let rules = rules.map(|(_, r)| u64::from(r.delay));
     let plant = travels.chain(rules).filter(|_| plant);
     timers.chain(plant).max().unwrap_or(0)
 }
@@ -270,7 +352,7 @@ pub struct Regions {
 }
 
 impl Regions {
-    /// Clocks for the timers of which the states can be active.
+    /// Clocks for the timers that count, of which the states can be active.
     pub fn new(
         system: &mut System,
         clocks: &mut Clocks,
@@ -278,7 +360,8 @@ impl Regions {
         step: &ChartStep<'_>,
         runs: &dyn Fn(StateId) -> bool,
     ) -> Regions {
-        let timers: Vec<(StateId, u32)> = step.timers().filter(|t| runs(t.0)).collect();
+        let counts = |state: StateId| clocks.counted.has(Clock::Region(machine.states[state].region));
+        let timers: Vec<(StateId, u32)> = step.timers().filter(|t| runs(t.0) && counts(t.0)).collect();
         let mut most: BTreeMap<RegionId, u64> = BTreeMap::new();
         for &(state, time) in &timers {
             let most = most.entry(machine.states[state].region).or_default();
@@ -287,19 +370,21 @@ impl Regions {
         let of = |(region, most): (RegionId, u64)| {
             let first = timers.iter().find(|t| machine.states[t.0].region == region).expect("it has a timer");
             let name = format!("the time beside {}", machine.state_path(first.0));
-            (region, clocks.counter(system, &name, most, 0))
+            (region, clocks.clock(system, Clock::Region(region), &name, most, 0))
         };
         let counters: BTreeMap<RegionId, Counter> = most.into_iter().map(of).collect();
         Regions { clocks: counters, timers }
     }
 
-    /// For each timer of the step, whether its time has passed by now if it runs.
-    pub fn passed(&self, aig: &mut Aig, machine: &Machine, step: &ChartStep<'_>) -> Vec<Lit> {
-        let each = step.timers().map(|(state, time)| {
-            let clock = self.clocks.get(&machine.states[state].region).filter(|_| self.timers.contains(&(state, time)));
-            clock.map_or(Lit::FALSE, |clock| clock.is_at_least(aig, scans(machine, time)))
-        });
-        each.collect()
+    /// Whether its time has passed by now if it runs; nothing of a timer that does not count here.
+    pub fn passed(&self, aig: &mut Aig, machine: &Machine, timer: (StateId, u32)) -> Option<Lit> {
+        let clock = self.clocks.get(&machine.states[timer.0].region).filter(|_| self.timers.contains(&timer))?;
+        Some(clock.is_at_least(aig, scans(machine, timer.1)))
+    }
+
+    /// Whether it counts a timer.
+    pub fn has(&self, timer: (StateId, u32)) -> bool {
+        self.timers.contains(&timer)
     }
 
     /// Takes the clocks on. `before` is what was remembered when the scan began, `after` what is at its end.

@@ -30,9 +30,10 @@ use crate::ir::chart::Machine;
 use crate::prove::chart_filter;
 use crate::prove::chart_step::{ChartScan, ChartState};
 use crate::prove::parts::WIDTH;
-use clocks::{Clocks, Times};
+use clocks::{Clock, Clocks, Counted, Times};
 use program::Running;
 use questions::Question;
+use std::collections::BTreeSet;
 use std::fmt;
 use steps::Turn;
 
@@ -74,6 +75,11 @@ pub struct Subject<'m> {
     pub clocks: Clocks,
     /// Whether anything waits for a time, so that it matters how times are taken.
     pub timed: bool,
+    /// All clocks that it has, counted or not.
+    pub all: BTreeSet<Clock>,
+    running: Running<'m>,
+    /// Whether the plant is left out.
+    open: bool,
     /// The outputs that stand at the terminals, with those that a scan decides.
     outputs: Vec<(Lit, Lit)>,
     /// The latches that keep what waits to be written.
@@ -122,10 +128,19 @@ impl<'m> Subject<'m> {
     /// free.
     pub fn new(machine: &'m Machine, program: Program, open: bool, times: Times) -> Result<Subject<'m>, Refusal> {
         let rounds = chart_filter::rounds(machine, &mut Sat::new()).ok_or(Refusal::Rounds)?;
-        let running = Running { machine, program, rounds };
+        Ok(Subject::of(Running { machine, program, rounds }, open, &times.into()))
+    }
+
+    /// The same with those clocks that are `counted`.
+    pub fn counting(&self, counted: &Counted) -> Subject<'m> {
+        Subject::of(self.running, self.open, counted)
+    }
+
+    fn of(running: Running<'m>, open: bool, counted: &Counted) -> Subject<'m> {
+        let Running { machine, program, .. } = running;
         let mut system = System::default();
-        let longest = clocks::longest(machine, &running.timers(), !open);
-        let mut clocks = Clocks::new(&mut system, times, longest);
+        let longest = clocks::longest(machine, counted, &running.timers(), !open);
+        let mut clocks = Clocks::new(&mut system, counted, longest);
         let started = system.latch("started", Some(false));
         let first_latch = system.latches.len();
         let before = running.remembered(&mut system);
@@ -145,11 +160,8 @@ impl<'m> Subject<'m> {
         }
         let outputs = before.outputs.iter().copied().zip(scan.after.outputs.iter().copied()).collect();
         let scan = turn.scan(&mut system, memory.clone(), &before, scan);
-        if clocks.exact() {
-            // The clocks tell that.
-            let told = |leaf: Lit| before.fresh.contains(&leaf) || before.past.contains(&leaf);
-            system.latches[memory].iter_mut().filter(|l| told(l.leaf)).for_each(|l| l.next = Lit::FALSE);
-        }
+        let told = running.told(counted, &before);
+        system.latches[memory].iter_mut().filter(|l| told.contains(&l.leaf)).for_each(|l| l.next = Lit::FALSE);
         let begun = system.aig.or(started, turn.reading);
         system.latches[0].next = begun;
         system.constraints.extend(scan.broken.iter().map(|&b| !b));
@@ -157,19 +169,22 @@ impl<'m> Subject<'m> {
         let inputs = inputs.map(|(&is, &was)| system.aig.select(turn.reading, is, was)).collect();
         let (past_outputs, past_active) = (before.outputs, before.active);
         system.notable.clone_from(&scan.after.variables);
-        if clocks.exact() {
+        if counted.some() {
             // Not all claims are asked, but it is from their states that a walk goes on.
             system.notable.extend(&scan.after.active);
         }
         let timed = running.is_timed() || !open && clocks::waits(machine);
+        let all = clocks::of(machine, &running.timers(), !open);
         let waits = turn.latches();
         let view = View { inputs, past_inputs, bits, past_bits, counts, past_outputs, past_active, scan, turn, begun };
-        let mut subject = Subject { machine, system, questions: Vec::new(), view, clocks, timed, outputs, waits };
+        let questions = Vec::new();
+        let mut subject =
+            Subject { machine, system, questions, view, clocks, timed, all, running, open, outputs, waits };
         subject.ask_about_outputs(program);
         if program == Program::Chart {
             subject.ask_about_chart();
         }
-        Ok(subject)
+        subject
     }
 
     /// Keeps those claims that are `wanted`, by index, and lets time pass in leaps where that makes no difference to them. It is done

@@ -12,7 +12,7 @@
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
-use super::clocks::{Clocks, Counter};
+use super::clocks::{Clock, Clocks, Counter};
 use super::steps::{self, Turn};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{ActuatorId, Atom, Machine};
@@ -230,9 +230,10 @@ impl Moving<'_> {
         let pending = system.aig.and(holds, differs);
         let fires = if rule.delay == 0 {
             pending
-        } else if clocks.exact() {
+        } else if clocks.counted.has(Clock::Rule(i)) {
             let delay = u64::from(rule.delay);
-            let counter = clocks.counter(system, &format!("how long rule {} has waited", i + 1), delay, 0);
+            let name = format!("how long rule {} has waited", i + 1);
+            let counter = clocks.clock(system, Clock::Rule(i), &name, delay, 0);
             let over = counter.is_at_least(&mut system.aig, delay);
             let fires = system.aig.and(pending, over);
             let waits = system.aig.and(pending, !over);
@@ -322,7 +323,8 @@ impl Moving<'_> {
         let common = divisor(out, back);
         let whole = out / common * back;
         let begins = if beginning.is_some_and(|&(_, position)| position == 1) { whole } else { 0 };
-        let place = clocks.counter(system, &format!("the place of {}", actuator.name), whole, begins);
+        let name = format!("the place of {}", actuator.name);
+        let place = clocks.clock(system, Clock::Travel(travel.actuator), &name, whole, begins);
         clocks.travel(system, &place, toward, [out / common, back / common], turn)
     }
 
@@ -353,7 +355,7 @@ impl Moving<'_> {
         };
         let toward = self.toward(&mut system.aig, travel, ordered);
         let toward = toward.map(|t| system.aig.and(t, self.started));
-        if clocks.exact() && !travel.at_most {
+        if !travel.at_most && clocks.counted.has(Clock::Travel(travel.actuator)) {
             let at = self.go(system, clocks, travel, toward, Lit::TRUE);
             self.sense(travel, at);
             return;

@@ -7,7 +7,7 @@
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Giver, System};
 use super::Program;
-use super::clocks::{Clocks, Regions};
+use super::clocks::{Clock, Clocks, Counted, Regions};
 use crate::bits::vector::{self, Vector};
 use crate::ir::chart::{ChartKind, Machine, StateId};
 use crate::ir::number::Range;
@@ -67,18 +67,12 @@ impl Running<'_> {
             Program::Chart => step,
             Program::Any => step.behind(unknown(system, self.machine)),
         };
-        let exact =
-            clocks.exact().then(|| Regions::new(system, clocks, self.machine, &step, &|state| self.runs(state)));
-        let passed = match &exact {
-            Some(regions) => regions.passed(&mut system.aig, self.machine, &step),
-            None => self.clocks(system, &step, before),
-        };
+        let regions = Regions::new(system, clocks, self.machine, &step, &|state| self.runs(state));
+        let passed = self.clocks(system, &regions, &step, before);
         let later = step.scan(&mut system.aig, before, inputs, &passed);
         let first = step.first(&mut system.aig, inputs);
         let scan = either(&mut system.aig, started, &later, &first);
-        if let Some(regions) = exact {
-            regions.tick(system, clocks, self.machine, &step, [before, &scan.after], turn);
-        }
+        regions.tick(system, clocks, self.machine, &step, [before, &scan.after], turn);
         scan
     }
 
@@ -96,28 +90,45 @@ impl Running<'_> {
         !self.timers().is_empty()
     }
 
+    /// What is chosen of a time that is open.
+    fn passes(&self, (state, time): (StateId, u32)) -> String {
+        format!("{time} ms of {} have passed", self.machine.state_path(state))
+    }
+
     /// Whether the state can be active.
     fn runs(&self, state: StateId) -> bool {
         self.program == Program::Chart || self.machine.observes(state)
     }
 
+    /// What is remembered of times that clocks tell.
+    pub fn told(&self, counted: &Counted, before: &ChartState) -> Vec<Lit> {
+        let of = |state: StateId| Clock::Region(self.machine.states[state].region);
+        let step = self.step();
+        let told = step.timers().enumerate().filter(|(_, t)| counted.has(of(t.0)));
+        told.flat_map(|(i, _)| [before.fresh[i], before.past[i]]).collect()
+    }
+
     /// For each timer, whether its time has passed by now, if it runs.
-    fn clocks(&self, system: &mut System, step: &ChartStep<'_>, before: &ChartState) -> Vec<Lit> {
+    fn clocks(&self, system: &mut System, regions: &Regions, step: &ChartStep<'_>, before: &ChartState) -> Vec<Lit> {
         let timers: Vec<(StateId, u32)> = step.timers().collect();
-        let name = |&(s, ms): &(StateId, u32)| format!("{ms} ms of {} have passed", self.machine.state_path(s));
-        let mut clock =
-            |t: &(StateId, u32)| if self.runs(t.0) { system.input(name(t), Giver::Clock) } else { Lit::FALSE };
+        let is_open = |t: &(StateId, u32)| self.runs(t.0) && !regions.has(*t);
+        let mut clock = |t: &(StateId, u32)| {
+            if is_open(t) {
+                return system.input(self.passes(*t), Giver::Clock);
+            }
+            regions.passed(&mut system.aig, self.machine, *t).unwrap_or(Lit::FALSE)
+        };
         let clocks: Vec<Lit> = timers.iter().map(&mut clock).collect();
-        for (i, t) in timers.iter().enumerate().filter(|(_, t)| self.runs(t.0)) {
+        for (i, t) in timers.iter().enumerate().filter(|(_, t)| is_open(t)) {
             // A time that runs for ever passes.
             let runs = system.aig.and(before.active[t.0.index()], !before.fresh[i]);
             let passed = system.aig.or(before.past[i], clocks[i]);
             let passed = system.aig.or(!runs, passed);
-            system.fairness(name(t), passed);
+            system.fairness(self.passes(*t), passed);
         }
         for i in 1..timers.len() {
             // They are in order of state and time.
-            if timers[i].0 == timers[i - 1].0 && self.runs(timers[i].0) {
+            if timers[i].0 == timers[i - 1].0 && is_open(&timers[i]) {
                 let shorter_first = system.aig.or(!clocks[i], clocks[i - 1]);
                 system.constraints.push(shorter_first);
             }

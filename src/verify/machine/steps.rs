@@ -12,7 +12,7 @@
 
 use super::super::aig::{Aig, Lit};
 use super::super::system::{Alternative, Giver, System};
-use super::clocks::Clocks;
+use super::clocks::{Clock, Clocks};
 use super::plant::{Moving, Terminals, width};
 use super::program::map;
 use crate::bits::vector::{self, Vector};
@@ -148,7 +148,7 @@ pub fn live(system: &mut System, clocks: &mut Clocks, mut plant: Moving<'_>, mem
                 last
             }
         };
-        if clocks.exact() && !travel.at_most {
+        if !travel.at_most && clocks.counted.has(Clock::Travel(travel.actuator)) {
             let toward = plant.toward(&mut system.aig, travel, ordered);
             going_on.push((travel, toward.map(|t| system.aig.and(t, plant.started))));
             continue;

@@ -26,7 +26,11 @@ chart Gate {
 
 /// What is said of the program of the model after these replacements.
 fn said(changes: &[(&str, &str)]) -> String {
-    let output = build(MODEL, Beremiz).unwrap_or_else(|e| panic!("{e}"));
+    said_of(MODEL, changes)
+}
+
+fn said_of(model: &str, changes: &[(&str, &str)]) -> String {
+    let output = build(model, Beremiz).unwrap_or_else(|e| panic!("{e}"));
     let text = changes.iter().fold(output.xml.clone(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
         text.replacen(from, to, 1)
@@ -35,6 +39,7 @@ fn said(changes: &[(&str, &str)]) -> String {
     let program = program.unwrap_or_else(|| panic!("{diagnostics:?}"));
     let names = Correspondence::of(&output.machine, &output.project);
     match equivalence_within(&output.machine, &names, &program, Effort::FIRST) {
+        Verdict::Proved(statistics) if statistics.history > 0 => format!("proved, {} scans back", statistics.history),
         Verdict::Proved(_) => "proved".to_owned(),
         Verdict::Refuted(trace) => {
             let differences = trace.differences();
@@ -53,12 +58,20 @@ fn said(changes: &[(&str, &str)]) -> String {
 
 /// What is said if one more program runs after all others.
 fn beside(text: &str) -> String {
-    let variables = r#"<localVars><variable name="N"><type><INT/></type></variable></localVars><externalVars><variable name="LAMP"><type><BOOL/></type></variable></externalVars>"#;
+    let [pou, instance] = one_more(r#"<variable name="N"><type><INT/></type></variable>"#, "", text);
+    said(&[("<pous>", &pou), (LAST, &instance)])
+}
+
+const LAST: &str = r#"<pouInstance name="I_Filter" typeName="Filter"/>"#;
+
+/// A program with variables of its own that knows the lamp and another variable, and its instance, to be put in.
+fn one_more(own: &str, other: &str, text: &str) -> [String; 2] {
+    let known = r#"<variable name="LAMP"><type><BOOL/></type></variable>"#;
+    let variables = format!("<localVars>{own}</localVars><externalVars>{known}{other}</externalVars>");
     let pou = format!(
         r#"<pous><pou name="Evil" pouType="program"><interface>{variables}</interface><body><ST><xhtml:p>{text}</xhtml:p></ST></body></pou>"#
     );
-    let last = r#"<pouInstance name="I_Filter" typeName="Filter"/>"#;
-    said(&[("<pous>", &pou), (last, &format!(r#"{last}<pouInstance name="I_E" typeName="Evil"/>"#))])
+    [pou, format!(r#"{LAST}<pouInstance name="I_E" typeName="Evil"/>"#)]
 }
 
 #[test]
@@ -137,4 +150,18 @@ fn a_sum_that_may_leave_its_type_is_not_proved() {
     for text in ["N := N + 1; LAMP := LAMP OR N &lt;&gt; N;", "N := N - 1; LAMP := LAMP OR N &lt;&gt; N;"] {
         assert_eq!(beside(text), "a sum may leave its type, where tools differ: what N becomes");
     }
+}
+
+#[test]
+fn what_a_timer_holds_outside_its_state_is_what_it_held_there() {
+    // The program keeps an input of two scans ago twice, so the proof looks one scan back, and the first scan in which
+    // the timer counts is among those that begin it.
+    let model = MODEL.replacen("  from Closed", "  from Closed to Waiting when Shut and not Open\n  from Closed", 1);
+    let own: String = ["P1", "P2", "Q1", "Q2"]
+        .map(|name| format!(r#"<variable name="{name}"><type><BOOL/></type></variable>"#))
+        .concat();
+    let open = r#"<variable name="Open"><type><BOOL/></type></variable>"#;
+    let text = "LAMP := LAMP OR (P2 XOR Q2); P2 := P1; Q2 := Q1; P1 := Open; Q1 := Open;";
+    let [pou, instance] = one_more(&own, open, text);
+    assert_eq!(said_of(&model, &[("<pous>", &pou), (LAST, &instance)]), "proved, 1 scans back");
 }

@@ -39,7 +39,7 @@ use super::chart_filter;
 use super::chart_step::ChartStep;
 use super::correspondence::Correspondence;
 use super::guard;
-use super::induction::{self, Claim, Count, Failure, Situation};
+use super::induction::{self, Claim, Count, Failure, Shown, Situation};
 use super::joint::Joint;
 use super::lemmas::Lemmas;
 use super::matching::{Match, Pair};
@@ -171,13 +171,14 @@ fn attempt(
             let (step, later) = induction::step(pair, &matched, history, &lemmas, &mut sat);
             failures = later;
             if failures.is_empty() && matched.missing.is_empty() {
-                let guarded = match guard::examine(pair, &matched, history, &lemmas, &mut sat) {
+                let shown = Shown { pair, matched: &matched, history, lemmas: &lemmas };
+                let guarded = match guard::examine(shown, &mut sat) {
                     Ok(guarded) => guarded,
                     // The filter may read what these charts make no difference by.
                     Err(_) if induction::guess(pair, &mut matched, &hopeless, true) > 0 => continue,
                     Err(why) => return Ok(Verdict::Unknown(Box::new(Doubt::Unsafe(why)))),
                 };
-                sums::examine(pair, &matched, history, &lemmas, &mut sat)?;
+                sums::examine(shown, &mut sat)?;
                 let meanings = matched.meanings.iter().flatten().count();
                 let (states, latches) = (machine.states.len(), program.latches().len());
                 let effort = sat.effort();

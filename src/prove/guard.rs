@@ -10,27 +10,18 @@
 //! That the rounds that are written out are enough is among the claims about the chart
 //! ([`chart_filter::rounds`](super::chart_filter::rounds)), with which the program agrees.
 
-use super::induction::{self, Cut};
-use super::lemmas::Lemmas;
-use super::matching::{Match, Pair};
+use super::induction::{Cut, Shown};
 use crate::bits::aig::{Aig, Lit, lanes};
 use crate::bits::sat::{Answer, Budget, Model, Sat};
 use crate::ir::chart::{Atom, FilterMode, Guard, Machine};
 
 /// Proves both claims, for the first scan and for any later one; returns how many questions that were. If
 /// one fails, says which and when.
-pub fn examine(
-    pair: Pair<'_>,
-    matched: &Match,
-    history: usize,
-    lemmas: &Lemmas<'_>,
-    sat: &mut Sat,
-) -> Result<usize, String> {
+pub fn examine(shown: Shown<'_, '_>, sat: &mut Sat) -> Result<usize, String> {
     let mut count = 0;
-    for later in [None, Some((history, lemmas))] {
-        let mut cut = induction::cut(pair, matched, later);
-        count += violates_nothing(pair.machine, &mut cut, sat)?;
-        count += corrects_no_more(pair.machine, &mut cut, sat)?;
+    for mut cut in shown.cut() {
+        count += violates_nothing(shown.pair.machine, &mut cut, sat)?;
+        count += corrects_no_more(shown.pair.machine, &mut cut, sat)?;
     }
     sat.forget();
     Ok(count)

@@ -133,28 +133,43 @@ pub struct Cut {
     pub given: Lit,
 }
 
-/// The first scan, or with what the proof of [`step`] rests on any later one, in which the program reads
-/// whatever commands there may be instead of those that it has computed.
-pub fn cut(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>) -> Cut {
-    let mut both = match later {
-        None => Both::power_up(pair),
-        Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
-    };
-    let (commands, outputs) = both.cut(matched);
-    let Both { aig, before, inputs, chart, given, .. } = both;
-    Cut { aig, before, inputs, chart, commands, outputs, given }
+/// What holds once the claims have been shown: in the first scan, and with what the proof of [`step`] rests on in any
+/// later one.
+#[derive(Clone, Copy)]
+pub struct Shown<'s, 'a> {
+    /// The two sides.
+    pub pair: Pair<'a>,
+    /// What joins them.
+    pub matched: &'s Match,
+    /// How many scans back the proof has looked.
+    pub history: usize,
+    /// What it has learned.
+    pub lemmas: &'s Lemmas<'s>,
 }
 
-/// Where numbers are computed in the first scan, or with what the proof of [`step`] rests on in any later one: what is
-/// made of them, and whether they leave their types; with the graph and what is known of what is remembered.
-pub fn sums(pair: Pair<'_>, matched: &Match, later: Option<(usize, &Lemmas<'_>)>) -> (Aig, Lit, Vec<(String, Lit)>) {
-    let mut both = match later {
-        None => Both::power_up(pair),
-        Some((history, lemmas)) => Both::later(pair, matched, history, lemmas),
-    };
-    let (inputs, clocks) = both.given_to_program(matched);
-    let sums = pair.program.sums(&mut both.aig, &both.program, &inputs, &clocks);
-    (both.aig, both.given, sums)
+impl<'a> Shown<'_, 'a> {
+    fn scans(self) -> [Both<'a>; 2] {
+        [Both::power_up(self.pair), Both::later(self.pair, self.matched, self.history, self.lemmas)]
+    }
+
+    /// Both scans, in which the program reads whatever commands there may be instead of those that it has computed.
+    pub fn cut(self) -> [Cut; 2] {
+        self.scans().map(|mut both| {
+            let (commands, outputs) = both.cut(self.matched);
+            let Both { aig, before, inputs, chart, given, .. } = both;
+            Cut { aig, before, inputs, chart, commands, outputs, given }
+        })
+    }
+
+    /// Where numbers are computed in both scans: what is made of them, and whether they leave their types; with the
+    /// graph and what is known of what is remembered.
+    pub fn sums(self) -> [(Aig, Lit, Vec<(String, Lit)>); 2] {
+        self.scans().map(|mut both| {
+            let (inputs, clocks) = both.given_to_program(self.matched);
+            let sums = self.pair.program.sums(&mut both.aig, &both.program, &inputs, &clocks);
+            (both.aig, both.given, sums)
+        })
+    }
 }
 
 /// Looks for meanings of those latches whose values before a scan matter but whose meaning is not
@@ -437,9 +452,10 @@ impl<'a> Both<'a> {
             for &claim in claims {
                 let (expected, matters) = claim.expects(&chart);
                 let assumed = aig.and(given, matters);
-                match compare.same(aig, state[claim.latch()], expected, assumed) {
-                    Outcome::Same if matters == Lit::TRUE => state[claim.latch()] = expected,
-                    Outcome::Same => {}
+                let found = state[claim.latch()];
+                match compare.same(aig, found, expected, assumed) {
+                    // Where it does not matter the latch holds what it holds, and others may read it.
+                    Outcome::Same => state[claim.latch()] = aig.select(matters, expected, found),
                     Outcome::Differs(model) => failures.push((claim, model)),
                 }
             }
@@ -477,8 +493,8 @@ struct Compare<'s> {
     random: Random,
     leaves: Vec<Vec<u64>>,
     samples: Vec<Vec<u64>>,
-    /// What has been proved: a step and its flag are two claims about one literal.
-    proved: HashSet<(Lit, Lit)>,
+    /// What has been proved, and where: a step and its flag are two claims about one literal.
+    proved: HashSet<(Lit, Lit, Lit)>,
     count: Count,
 }
 
@@ -492,7 +508,7 @@ impl<'s> Compare<'s> {
     /// Whether `a` and `b` are the same wherever `given` holds.
     fn same(&mut self, aig: &mut Aig, a: Lit, b: Lit, given: Lit) -> Outcome {
         self.count.claims += 1;
-        if a == b || given == Lit::FALSE || self.proved.contains(&(a, b)) {
+        if a == b || given == Lit::FALSE || self.proved.contains(&(a, b, given)) {
             self.count.by_structure += 1;
             return Outcome::Same;
         }
@@ -514,9 +530,7 @@ impl<'s> Compare<'s> {
         self.sat.forget();
         match self.sat.ask(aig, &[differ], Budget::PROOF) {
             Answer::Never => {
-                if given == Lit::TRUE {
-                    self.proved.insert((a, b));
-                }
+                self.proved.insert((a, b, given));
                 Outcome::Same
             }
             Answer::Sometimes(model) => Outcome::Differs(Some(model)),
@@ -538,4 +552,22 @@ fn samples(aig: &Aig) -> Vec<Vec<u64>> {
 
 fn signature(samples: &[Vec<u64>], l: Lit) -> [u64; WORDS] {
     std::array::from_fn(|i| lanes(&samples[i], l))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_the_same_under_an_assumption_is_not_taken_for_the_same_without_it() {
+        let mut aig = Aig::new();
+        let (left, right) = (aig.leaf("left"), aig.leaf("right"));
+        let both = aig.and(left, right);
+        let mut sat = Sat::new();
+        let mut compare = Compare::new(&mut sat);
+        assert!(matches!(compare.same(&mut aig, both, left, right), Outcome::Same));
+        assert!(matches!(compare.same(&mut aig, both, left, Lit::TRUE), Outcome::Differs(Some(_))));
+        assert!(matches!(compare.same(&mut aig, both, left, right), Outcome::Same));
+        assert_eq!((compare.count.claims, compare.count.by_structure, compare.count.by_solver), (3, 1, 1));
+    }
 }

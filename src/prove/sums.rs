@@ -3,21 +3,12 @@
 //! What becomes of a sum that leaves its type is an error by the standard: one tool cuts it at once, another one when it
 //! is assigned. The proof computes it whole, so where that would make a difference to a tool nothing is proved.
 
-use super::induction;
-use super::lemmas::Lemmas;
-use super::matching::{Match, Pair};
+use super::induction::Shown;
 use crate::bits::sat::{Answer, Budget, Sat};
 
 /// Proves it for the first scan and for any later one, or says where it may fail.
-pub fn examine(
-    pair: Pair<'_>,
-    matched: &Match,
-    history: usize,
-    lemmas: &Lemmas<'_>,
-    sat: &mut Sat,
-) -> Result<(), String> {
-    for later in [None, Some((history, lemmas))] {
-        let (aig, given, sums) = induction::sums(pair, matched, later);
+pub fn examine(shown: Shown<'_, '_>, sat: &mut Sat) -> Result<(), String> {
+    for (aig, given, sums) in shown.sums() {
         for (what, leaves) in sums {
             sat.forget();
             match sat.ask(&aig, &[given, leaves], Budget::PROOF) {

@@ -137,19 +137,22 @@ fn a_number_comes_from_one_place() {
         )
     };
     let sum = r#"<block localId="3" typeName="ADD"><inputVariables><variable formalParameter="IN1"><connectionPointIn><connection refLocalId="2"/></connectionPointIn></variable></inputVariables><inOutVariables/><outputVariables><variable formalParameter="OUT"/></outputVariables></block>"#;
-    let read = |from: &str| read_as(&beremiz(&ladder(&[value(2, "T#1s"), value(5, "D"), sum.into(), timer(from)])));
+    let read_with =
+        |sum: &str, from: &str| read_as(&beremiz(&ladder(&[value(2, "T#1s"), value(5, "D"), sum.into(), timer(from)])));
+    let read = |from: &str| read_with("", from);
     assert_eq!(read(&line(2)), "Ton On in true preset 1000000");
     assert_eq!(read(&line(5)), "Ton On in true preset D");
     let text = ladder(&[timer("<expression>D</expression>")]);
     assert_eq!(read_as(&codesys(&text)), "Ton On in true preset D");
     assert!(read_as(&beremiz(&text)).contains("expression in `connectionPointIn` is not understood"));
-    for (from, reason) in [
-        (line(2) + &line(5), "several lines into one input"),
-        (line(3), "as the source of a number"),
-        (line(1), "as the source of a number"),
-    ] {
+    for (from, reason) in [(line(2) + &line(5), "several lines into one input"), (line(1), "as the source of a number")]
+    {
         assert!(read(&from).contains(reason), "{from}: {}", read(&from));
     }
+    let found = read_with(sum, &line(3));
+    assert!(found.contains("as the source of a number"), "{found}");
+    // Beremiz calls it whether its result is used or not.
+    assert!(read_with(sum, &line(2)).contains("an expression at block `ADD`"), "{}", read_with(sum, &line(2)));
     let texts = |first: &str, second: &str| {
         let pin = |name: &str, text: &str| {
             format!(
@@ -275,7 +278,7 @@ fn project(pous: &str, resource: &str) -> String {
         return file;
     }
     let end = format!(
-        r#"<instances><configurations><configuration name="C"><resource name="R">{resource}</resource></configuration></configurations></instances></project>"#
+        r#"<instances><configurations><configuration name="C"><resource name="Res">{resource}</resource></configuration></configurations></instances></project>"#
     );
     file.replacen("</project>", &end, 1)
 }
@@ -312,7 +315,7 @@ fn only_programs_run() {
 fn what_an_external_variable_or_a_block_begins_with_is_refused() {
     let with = |variable: &str| {
         let file = project("", "").replacen("</interface>", &format!("{variable}</interface>"), 1);
-        let globals = r#"<instances><configurations><configuration name="C"><resource name="R"><task name="T" interval="T#10ms" priority="0"><pouInstance name="Q" typeName="P"/></task><globalVars><variable name="G"><type><INT/></type></variable></globalVars></resource></configuration></configurations></instances></project>"#;
+        let globals = r#"<instances><configurations><configuration name="C"><resource name="Res"><task name="T" interval="T#10ms" priority="0"><pouInstance name="Q" typeName="P"/></task><globalVars><variable name="G"><type><INT/></type></variable></globalVars></resource></configuration></configurations></instances></project>"#;
         read_as(&file.replacen("</project>", globals, 1))
     };
     let initial = r#"<initialValue><simpleValue value="3"/></initialValue>"#;

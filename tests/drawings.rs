@@ -159,7 +159,8 @@ fn codesys_assigns_at_the_output_pins_of_a_block() {
         (pin("Q", r#"edge="rising""#, "B"), "pin `Q`, an assigned output, with negation or edge"),
         (pin("Q", "", "D"), "`D` is TIME and cannot take BOOL"),
         (pin("Q", "", "Z"), "`Z` is not declared"),
-        (pin("Q1", "", "B"), "the output pin `Q1`"),
+        (pin("Q1", "", "B"), "pin `Q1` of block `On`"),
+        (pin("ENO", "", "B"), "the output pin `ENO`"),
     ] {
         let found = read(&outputs);
         assert!(found.starts_with("E6") && found.contains(reason), "{outputs}: {found}");
@@ -249,7 +250,7 @@ fn external(globals: &str, externals: &str, text: &str) -> String {
     let program = program.replace("<localVars></localVars>", &format!("<externalVars>{externals}</externalVars>"));
     let task = r#"<task name="T" interval="T#10ms" priority="0"><pouInstance name="Q" typeName="P"/></task>"#;
     let end = format!(
-        r#"<instances><configurations><configuration name="C"><resource name="R">{task}<globalVars>{globals}</globalVars></resource></configuration></configurations></instances></project>"#
+        r#"<instances><configurations><configuration name="C"><resource name="Res">{task}<globalVars>{globals}</globalVars></resource></configuration></configurations></instances></project>"#
     );
     read_as(&program.replace("</project>", &end))
 }

@@ -6,9 +6,10 @@
 use crate::support::filters::{Case, End, Product, Reading, Set};
 use crate::support::proof::{build, read_back};
 use crate::support::rng::Rng;
+use chartwright::bits::sat::Sat;
 use chartwright::ir::chart::{Machine, Relief};
 use chartwright::pipeline::{self, Dialect};
-use chartwright::prove::{Correspondence, Doubt, Verdict, equivalence};
+use chartwright::prove::{Correspondence, Doubt, Verdict, chart_filter, equivalence};
 use chartwright::simulate::plc::Plc;
 use chartwright::{check, emit, lower, parse, read, resolve};
 use std::collections::BTreeMap;
@@ -201,7 +202,9 @@ fn too_few_sweeps_are_noticed() {
     let mut machine = unchecked(&source);
     assert!(check::check(&mut machine).is_empty());
     assert_eq!(machine.safety.relief, Relief::InOrder { sweeps: 2 });
+    assert_eq!(chart_filter::rounds(&machine, &mut Sat::new()), Some(2));
     machine.safety.relief = Relief::InOrder { sweeps: 1 };
+    assert_eq!(chart_filter::rounds(&machine, &mut Sat::new()), None);
     let project = lower::lower(&machine);
     let xml = emit::plcopen(&project, Dialect::Beremiz, &emit::Header::default());
     let program = read::read(&xml).0.expect("what is written can be read");
@@ -220,4 +223,86 @@ fn what_is_let_through_is_proved_in_every_build() {
         Verdict::Proved(s) => assert_eq!(s.guarded, 4),
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn sweeps_suffice_where_the_assumptions_hold() {
+    let source = "machine M\ninputs { Ready Raise Go }\noutputs { IN OUT }\nactuator A onoff by IN\nactuator B onoff by OUT\n\
+        chart C { initial state S { drives IN when Go } }\nsafety controller relief in-order {\n\
+        F1: never IN and not OUT yields IN, OUT\nS1: never OUT and Ready\nS2: never not IN and Raise\n\
+        assume A1: never Ready and Raise\n}\n";
+    let mut machine = pipeline::check(source).0.expect("it is accepted");
+    assert_eq!(machine.safety.relief, Relief::InOrder { sweeps: 1 });
+    assert_eq!(chart_filter::rounds(&machine, &mut Sat::new()), Some(1));
+    machine.safety.assumptions.clear();
+    assert_eq!(chart_filter::rounds(&machine, &mut Sat::new()), None);
+    let output = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}"));
+    let names = Correspondence::of(&output.machine, &output.project);
+    let verdict = equivalence(&output.machine, &names, &read_back(&output));
+    assert!(matches!(verdict, Verdict::Proved(_)), "{verdict:?}");
+}
+
+#[test]
+fn products_that_do_not_say_what_is_written_are_noticed() {
+    let source = "machine M\ninputs { A B }\noutputs { O }\nactuator X onoff by O\nchart C { initial state S { drives O when A } }\n\
+        safety supervisor { S1: never O and (A and B or not A)\nassume A1: never A and B }\n";
+    let output = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}"));
+    let mut sat = Sat::new();
+    assert_eq!(chart_filter::products_say_what_is_written(&output.machine, &mut sat), Ok(()));
+    let names = Correspondence::of(&output.machine, &output.project);
+    let said = |machine: &Machine| match equivalence(machine, &names, &read_back(&output)) {
+        Verdict::Unknown(doubt) => doubt.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let constraint = output.machine.safety.constraints.ids().next().expect("there is one");
+    for change in [0, 1] {
+        let mut machine = output.machine.clone();
+        let products = &mut machine.safety.constraints[constraint].products;
+        match change {
+            0 => drop(products.pop()),
+            _ => products.clear(),
+        }
+        assert_eq!(said(&machine), "the products of S1 do not say what is written");
+    }
+    let mut machine = output.machine.clone();
+    machine.safety.assumptions[0].products.clear();
+    assert_eq!(said(&machine), "the products of A1 do not say what is written");
+}
+
+/// What is said of a program whose filter has been changed; its chart commands always one of both outputs.
+fn with_another_filter(changes: &[(&str, &str)]) -> String {
+    let source = "machine M\ninputs { A B }\noutputs { ONE TWO }\nactuator X onoff by ONE\nactuator Y onoff by TWO\n\
+        chart C { initial state S { drives ONE when A\ndrives TWO when not A } }\n\
+        safety supervisor { S1: never ONE and TWO yields TWO\nS2: never TWO and A and B }\n";
+    let output = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}"));
+    let filter = output.xml.find(r#"<pou name="Filter""#).expect("there is a filter");
+    let mut text = output.xml[filter..].to_owned();
+    for (mark, variable) in changes {
+        let (number, from) = mark.split_once(' ').expect("a number and a variable");
+        let at = text.find(&format!(r#"<contact localId="{number}""#)).expect("a contact");
+        let end = at + text[at..].find("</contact>").expect("its end");
+        assert!(text[at..end].contains(&format!("<variable>{from}</variable>")), "{mark}: {}", &text[at..end]);
+        let (negated, variable) = variable.strip_prefix('/').map_or(("false", *variable), |v| ("true", v));
+        let changed = text[at..end].replace(&format!("<variable>{from}<"), &format!("<variable>{variable}<"));
+        let changed = changed.replace(r#"negated="false""#, &format!(r#"negated="{negated}""#));
+        text.replace_range(at..end, &changed);
+    }
+    let (program, diagnostics) = read::read(&format!("{}{text}", &output.xml[..filter]));
+    let program = program.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    match equivalence(&output.machine, &Correspondence::of(&output.machine, &output.project), &program) {
+        Verdict::Proved(_) => "proved".to_owned(),
+        Verdict::Refuted(trace) => format!("refuted\n{trace}"),
+        Verdict::Unknown(doubt) => doubt.to_string(),
+    }
+}
+
+#[test]
+fn a_filter_is_held_against_commands_that_no_chart_gives() {
+    assert_eq!(with_another_filter(&[]), "proved");
+    // ONE is commanded exactly while A is on and TWO is not; but a filter has to do without knowing that.
+    let hit = with_another_filter(&[("20 Cmd_ONE", "A")]);
+    assert!(hit.starts_with("the filter lets through what `S1` forbids: with "), "{hit}");
+    let output = with_another_filter(&[("41 Cmd_ONE", "/Cmd_TWO")]);
+    assert!(output.starts_with("the filter corrects commands that violate nothing: with "), "{output}");
+    assert!(output.ends_with("ONE let through"), "{output}");
 }

@@ -2,7 +2,9 @@
 
 mod beside;
 mod boxes;
+mod branches;
 mod cli;
+mod compiled;
 mod constraints;
 mod corners;
 mod derive;
@@ -29,6 +31,7 @@ mod observers;
 mod outputs;
 mod palletizer;
 mod permitted;
+mod places;
 mod productis;
 mod program_mutants;
 mod program_scans;

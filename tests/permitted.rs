@@ -1,8 +1,9 @@
 //! What the official schema permits in a program file beyond what the compiler writes: each attribute and each
 //! element at each kind of place is refused, or means what the simulators show, or is known to mean nothing.
 //!
-//! Negation, edges, storage and their like are never passed over; what else changes nothing is printed, to be read.
-//! `CHARTWRIGHT_PERMITTED=all` tries them in the programs of all models.
+//! Negation, edges, storage and their like are never passed over; what else may change nothing stands in a table, with
+//! its reason. `CHARTWRIGHT_PERMITTED=all` tries them in the programs of all models, and `CHARTWRIGHT_PERMITTED_KEPT=DIR`
+//! keeps each file that is read, for other tools to be asked.
 
 use crate::support::models;
 use crate::support::proof::{agree_by_chance, build, confirm, read_back};
@@ -14,55 +15,59 @@ use chartwright::prove::{Correspondence, Verdict, equivalence};
 use chartwright::read;
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
+use std::time::Instant;
 
-/// Attributes that say where something is drawn, who made it, or what it is called in a place where nobody calls it.
-/// Nobody who runs a program looks at them.
-const DESCRIBING: &[&str] = &[
-    "@WorksheetName",
-    "@author",
-    "@companyName",
-    "@companyURL",
-    "@contentDescription",
-    "@creationDateTime",
-    "@globalId",
-    "@height",
-    "@hidden",
-    "@language",
-    "@modificationDateTime",
-    "@organization",
-    "@productName",
-    "@productRelease",
-    "@productVersion",
-    "@version",
-    "@width",
-    "@x",
-    "@y",
-    // Of elements: geometry, words, data of vendors, which are looked at elsewhere, and rails that end where they are drawn.
-    "Comment",
-    "addData",
-    "addDataInfo",
-    "comment",
-    "documentation",
-    "pageSize",
-    "position",
-    "relPosition",
-    "rightPowerRail",
-    "leftPowerRail",
-    // Ends of lines without lines, and empty lists.
-    "connectionPointIn",
-    "connectionPointOut",
-    "connectionPointOutAction",
-    "dataType",
-    "actions",
-    "transitions",
-    "localVars",
-    "inputVars",
-    "outputVars",
-    "externalVars",
-    "globalVars",
-    "inOutVariables",
-    "pou",
-    "configuration",
+/// What may change nothing: in which elements (`*` is any), which attributes (`@name`, or `@name=` with that value
+/// alone) and elements, and why nobody who runs the program does anything else with or without it.
+const MAY: &[(&str, &str, &str)] = &[
+    ("*", "@height @width @x @y position relPosition", "where it is drawn"),
+    ("contentHeader coordinateInfo fbd ld sfc", "coordinateInfo pageSize fbd ld sfc scaling", "how large it is drawn"),
+    (
+        "*",
+        "@globalId @WorksheetName @hidden documentation addData",
+        "words, and vendor data, which are looked at elsewhere",
+    ),
+    (
+        "project fileHeader contentHeader",
+        "fileHeader @companyName @companyURL @contentDescription @productName",
+        "who made it",
+    ),
+    ("fileHeader contentHeader", "@productRelease @productVersion @creationDateTime @version", "who made it"),
+    ("contentHeader", "@author @language @modificationDateTime @organization Comment addDataInfo", "who made it"),
+    ("LD SFC comment", "comment content vendorElement", "words in a drawing"),
+    (
+        "configuration resource globalVars localVars inputVars outputVars externalVars",
+        "@name",
+        "nothing calls it by that",
+    ),
+    ("variable", "@address=", "an empty address is none"),
+    ("*", "@executionOrderId=0", "0 is no place in an order"),
+    ("action", "@duration= @indicator=", "an empty one is none"),
+    ("task", "@priority", "there is one task"),
+    ("transition", "@priority", "it is the only one, or has the place that it has anyway"),
+    ("*", "@localId", "no line leads from it"),
+    (
+        "connection",
+        "@refLocalId",
+        "it comes from another rail, or leads to a right rail, which is an end of lines and no more",
+    ),
+    ("connectionPointIn", "connection", "it leads to a right rail"),
+    (
+        "connection connectionPointOut connectionPointOutAction",
+        "@formalParameter",
+        "there is one output, whatever it is called",
+    ),
+    ("*", "connectionPointIn connectionPointOut connectionPointOutAction", "an end of lines without lines"),
+    ("LD SFC", "contact inVariable leftPowerRail rightPowerRail", "it leads nowhere"),
+    ("SFC", "block step selectionDivergence selectionConvergence", "nothing leads to it, so it is never active"),
+    ("SFC", "simultaneousDivergence simultaneousConvergence", "nothing leads to it"),
+    ("configuration resource", "globalVars", "an empty list"),
+    ("interface", "localVars inputVars outputVars externalVars", "an empty list"),
+    ("pou", "interface actions transitions", "an empty list"),
+    ("configurations", "configuration", "an empty list"),
+    ("pous dataTypes", "pou dataType", "nothing runs it, nothing has it"),
+    ("block", "inOutVariables", "an empty list"),
+    ("project", "instances", "an empty list: the programs run from vendor data"),
 ];
 
 /// One change.
@@ -70,7 +75,9 @@ struct Edit {
     what: String,
     text: String,
     /// Whether it says no more than what is said without it.
-    nothing: bool,
+    same: bool,
+    /// In which element which attribute or element is touched.
+    touched: Vec<(String, String)>,
     /// Whether it always says something else: negation, edges, storage and their like.
     means: bool,
 }
@@ -123,7 +130,8 @@ fn at_place(xml: &str, node: Node<'_, '_>, element: usize, schema: &Schema, foun
             found.push(Edit {
                 what: format!("{}: @{} = {value}", place(node), attribute.name),
                 text: xml_edit::with_attribute(xml, node, &attribute.name, value),
-                nothing: before.is_some_and(same) || DESCRIBING.contains(&format!("@{}", attribute.name).as_str()),
+                same: before.is_some_and(same),
+                touched: vec![(name.to_owned(), format!("@{}={value}", attribute.name))],
                 means,
             });
         }
@@ -131,24 +139,27 @@ fn at_place(xml: &str, node: Node<'_, '_>, element: usize, schema: &Schema, foun
             found.push(Edit {
                 what: format!("{}: no @{}", place(node), attribute.name),
                 text: xml_edit::without_attribute(xml, node, &attribute.name),
-                nothing: before == attribute.default.as_deref()
-                    || DESCRIBING.contains(&format!("@{}", attribute.name).as_str()),
+                same: before == attribute.default.as_deref(),
+                touched: vec![(name.to_owned(), format!("@{}=", attribute.name))],
                 means,
             });
         }
     }
     for child in &schema.elements[element].children {
-        let name = schema.elements[child.element].name.as_str();
+        let (parent, name) = (name, schema.elements[child.element].name.as_str());
+        let touched = |names: &[&str]| names.iter().map(|n| (parent.to_owned(), (*n).to_owned())).collect::<Vec<_>>();
         let smallest = schema.smallest(child.element).replace("localId=\"1\"", "localId=\"99991\"");
         for first in [true, false] {
             let text = xml_edit::with_child(xml, node, &smallest, first);
             let what = format!("{}: {smallest} {}", place(node), if first { "first" } else { "last" });
-            found.push(Edit { what, text, nothing: DESCRIBING.contains(&name), means: false });
+            found.push(Edit { what, text, same: false, touched: touched(&[name]), means: false });
         }
         // In the place of another one, where one of several may stand.
         for other in node.children().filter(|n| n.is_element() && n.tag_name().name() != name) {
-            let what = format!("{}: {smallest} for {}", place(node), other.tag_name().name());
-            found.push(Edit { what, text: xml_edit::replaced(xml, other, &smallest), nothing: false, means: false });
+            let gone = other.tag_name().name();
+            let what = format!("{}: {smallest} for {gone}", place(node));
+            let text = xml_edit::replaced(xml, other, &smallest);
+            found.push(Edit { what, text, same: false, touched: touched(&[name, gone]), means: false });
         }
     }
 }
@@ -161,6 +172,22 @@ struct Counts {
     proved: usize,
     refuted: usize,
     open: usize,
+    /// What was needed of the table, by line and word.
+    needed: BTreeSet<(usize, usize)>,
+    kept: usize,
+}
+
+/// The places in the table that allow the change of one attribute or element to change nothing.
+fn allowed((element, change): &(String, String)) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    for (line, (elements, words, _)) in MAY.iter().enumerate() {
+        if !elements.split(' ').any(|e| e == "*" || e == element) {
+            continue;
+        }
+        let fits = |word: &str| word == change || (!word.contains('=') && change.split('=').next() == Some(word));
+        found.extend(words.split(' ').enumerate().filter(|(_, word)| fits(word)).map(|(place, _)| (line, place)));
+    }
+    found
 }
 
 /// `same` is what is read of the file as it was written.
@@ -171,13 +198,18 @@ fn judge(output: &Output, same: &str, edit: &Edit, counts: &mut Counts, wrong: &
         counts.refused += 1;
         return;
     };
-    if format!("{project:?}") == same {
+    let unchanged = format!("{project:?}") == same;
+    keep(edit, unchanged, counts);
+    if unchanged {
         counts.nothing += 1;
-        if edit.means && !edit.nothing {
-            wrong.push(format!("{} is passed over", edit.what));
-        } else if !edit.nothing {
-            println!("changes nothing: {}", edit.what);
+        if edit.same {
+            return;
         }
+        let reasons: Vec<_> = edit.touched.iter().map(allowed).collect();
+        if edit.means || reasons.iter().any(Vec::is_empty) {
+            wrong.push(format!("{} is passed over", edit.what));
+        }
+        counts.needed.extend(reasons.into_iter().flatten());
         return;
     }
     let names = Correspondence::of(&output.machine, &output.project);
@@ -194,12 +226,23 @@ fn judge(output: &Output, same: &str, edit: &Edit, counts: &mut Counts, wrong: &
     }
 }
 
+fn keep(edit: &Edit, unchanged: bool, counts: &mut Counts) {
+    let Some(folder) = std::env::var_os("CHARTWRIGHT_PERMITTED_KEPT") else { return };
+    let kind = if unchanged { "same" } else { "other" };
+    let family = if edit.text.contains("tc6_0201") { "beremiz" } else { "codesys" };
+    let file = std::path::Path::new(&folder).join(format!("{family}-{kind}-{}.xml", counts.kept));
+    std::fs::write(file, format!("{}\n<!-- {} -->\n", edit.text, edit.what.replace("--", "- -")))
+        .expect("the folder takes files");
+    counts.kept += 1;
+}
+
 #[test]
 fn what_the_schema_permits_is_interpreted_or_refused() {
     let Some(text) = xsd::text() else { return };
     let schema = Schema::parse(&text);
     let all = std::env::var("CHARTWRIGHT_PERMITTED").is_ok_and(|value| value == "all");
     let mut wrong = Vec::new();
+    let mut needed = BTreeSet::new();
     for dialect in [Dialect::Beremiz, Dialect::Codesys] {
         let (mut seen, mut counts, mut tried) = (BTreeSet::new(), Counts::default(), 0);
         for model in models::all() {
@@ -208,13 +251,22 @@ fn what_the_schema_permits_is_interpreted_or_refused() {
             }
             let output = build(&model.source, dialect).expect("the models are right");
             let same = format!("{:?}", read_back(&output));
+            let (start, before) = (Instant::now(), seen.len());
             for edit in edits(&output.xml, &schema, &mut seen) {
                 tried += 1;
                 judge(&output, &same, &edit, &mut counts, &mut wrong);
             }
+            println!("{dialect:?} {}: {} more places, {:?}", model.name, seen.len() - before, start.elapsed());
         }
+        needed.append(&mut counts.needed);
         println!("{dialect:?}: {tried} tried at {} kinds of places: {counts:?}", seen.len());
         assert!(counts.refused > 100 && counts.nothing > 100, "{dialect:?}: {counts:?}");
     }
     assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+    let words = MAY.iter().enumerate().flat_map(|(line, (elements, words, _))| {
+        words.split(' ').enumerate().map(move |(place, word)| (line, place, format!("{word} in {elements}")))
+    });
+    let idle: Vec<String> =
+        words.filter(|(line, place, _)| !needed.contains(&(*line, *place))).map(|(.., word)| word).collect();
+    assert!(idle.is_empty(), "these never change nothing: {idle:#?}");
 }

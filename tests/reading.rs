@@ -411,9 +411,9 @@ fn the_frame_of_the_file_is_checked() {
     let clash = good.replace(r#"name="A""#, &address("A")).replace(r#"name="B""#, &address("B"));
     refused(&clash, Code::Clash, "%IX0.0");
     let instances = |task: &str, more: &str| {
-        let resource = format!(r#"<resource name="R">{task}<globalVars>{more}</globalVars></resource>"#);
+        let resource = format!(r#"<resource name="Res">{task}<globalVars>{more}</globalVars></resource>"#);
         let end = format!(
-            "<instances><configurations><configuration>{resource}</configuration></configurations></instances></project>"
+            "<instances><configurations><configuration name=\"Config\">{resource}</configuration></configurations></instances></project>"
         );
         good.replace("</project>", &end)
     };

@@ -152,16 +152,57 @@ fn a_sum_that_may_leave_its_type_is_not_proved() {
     }
 }
 
+fn variable(name: &str, begins: bool) -> String {
+    let initial = if begins { r#"<initialValue><simpleValue value="TRUE"/></initialValue>"# } else { "" };
+    format!(r#"<variable name="{name}"><type><BOOL/></type>{initial}</variable>"#)
+}
+
 #[test]
 fn what_a_timer_holds_outside_its_state_is_what_it_held_there() {
     // The program keeps an input of two scans ago twice, so the proof looks one scan back, and the first scan in which
     // the timer counts is among those that begin it.
     let model = MODEL.replacen("  from Closed", "  from Closed to Waiting when Shut and not Open\n  from Closed", 1);
-    let own: String = ["P1", "P2", "Q1", "Q2"]
-        .map(|name| format!(r#"<variable name="{name}"><type><BOOL/></type></variable>"#))
-        .concat();
+    let own: String = ["P1", "P2", "Q1", "Q2"].map(|name| variable(name, false)).concat();
     let open = r#"<variable name="Open"><type><BOOL/></type></variable>"#;
     let text = "LAMP := LAMP OR (P2 XOR Q2); P2 := P1; Q2 := Q1; P1 := Open; Q1 := Open;";
     let [pou, instance] = one_more(&own, open, text);
     assert_eq!(said_of(&model, &[("<pous>", &pou), (LAST, &instance)]), "proved, 1 scans back");
+}
+
+#[test]
+fn a_proof_that_looks_back_begins_with_as_many_scans() {
+    // What the program keeps of the input begins with two values, which only shows in the second scan.
+    let own: String = ["P1", "P2", "Q1", "Q2"].map(|name| variable(name, name == "P1")).concat();
+    let open = r#"<variable name="Open"><type><BOOL/></type></variable>"#;
+    let text = "LAMP := LAMP OR (P2 XOR Q2); P2 := P1; Q2 := Q1; P1 := Open; Q1 := Open;";
+    let [pou, instance] = one_more(&own, open, text);
+    assert_eq!(
+        said(&[("<pous>", &pou), (LAST, &instance)]),
+        "scan                chart  program\n   \
+           1  state Closed  on     on\n   \
+           2  output LAMP   off    on  <- LAMP\n"
+    );
+}
+
+#[test]
+fn what_happens_at_exits_happens_from_the_inside_out() {
+    let model = "machine M
+cycle 10ms
+inputs { Go }
+outputs { IN OUT }
+variables { Kept : BOOL }
+actuator A onoff by IN
+actuator B onoff by OUT
+chart C {
+  initial state Off { drives OUT when Kept }
+  state On { drives IN exit reset Kept
+    initial state One { exit set Kept }
+    state Two
+    from One to Two when not Go
+  }
+  from Off to On when Go
+  from On to Off when not Go
+}
+";
+    assert_eq!(said_of(model, &[]), "proved");
 }

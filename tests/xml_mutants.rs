@@ -6,7 +6,7 @@
 use crate::support::models;
 use crate::support::proof::{agree_by_chance, build, confirm, read_back};
 use crate::support::rng::Rng;
-use crate::support::xml_damage::{ATTRIBUTES, Mutant, mutant};
+use crate::support::xml_damage::{ATTRIBUTES, Mutant, RULES, mutant};
 use crate::support::xsd::{self, Schema};
 use chartwright::ir::chart::Machine;
 use chartwright::pipeline::Dialect;
@@ -41,7 +41,7 @@ struct Original {
     read: String,
 }
 
-fn judge(original: &Original, Mutant { xml, what, means }: &Mutant, seed: u64, counts: &mut Counts) {
+fn judge(original: &Original, Mutant { xml, what, means, .. }: &Mutant, seed: u64, counts: &mut Counts) {
     let Original { name, machine, names, read: same, .. } = original;
     let what = format!("{name}: {what}");
     counts.made += 1;
@@ -86,6 +86,15 @@ fn judge(original: &Original, Mutant { xml, what, means }: &Mutant, seed: u64, c
     }
 }
 
+/// Every element of the schema, as small as it can be.
+fn elements() -> Vec<String> {
+    let Some(text) = xsd::text() else { return Vec::new() };
+    let schema = Schema::parse(&text);
+    let smallest = |element| schema.smallest(element).replace("localId=\"1\"", "localId=\"9990\"");
+    let all: BTreeSet<String> = (0..schema.elements.len()).map(smallest).collect();
+    all.into_iter().collect()
+}
+
 fn examine(dialect: Dialect) {
     let wanted: usize = std::env::var("CHARTWRIGHT_MUTANTS").ok().and_then(|n| n.parse().ok()).unwrap_or(150);
     let originals: Vec<Original> = models::all()
@@ -97,6 +106,8 @@ fn examine(dialect: Dialect) {
             Original { name: model.name, machine: output.machine, names, xml: output.xml, read }
         })
         .collect();
+    let more = elements();
+    let (mut rules, mut set) = (BTreeSet::new(), BTreeSet::new());
     let mut rng = Rng::new(23);
     let mut counts = Counts::default();
     while counts.made < wanted {
@@ -105,10 +116,19 @@ fn examine(dialect: Dialect) {
         if original.xml.len() > 600_000 && rng.below(4) > 0 {
             continue;
         }
-        let Some(mutant) = mutant(&original.xml, &mut rng) else { continue };
+        let Some(mutant) = mutant(&original.xml, &more, &mut rng) else { continue };
+        rules.insert(mutant.rule);
+        set.extend(mutant.set);
         judge(original, &mutant, counts.made as u64, &mut counts);
     }
     println!("{dialect:?}: {counts:#?}");
+    let idle: Vec<&str> = (0..RULES.len()).filter(|r| !rules.contains(r)).map(|r| RULES[r]).collect();
+    assert!(idle.is_empty(), "never: {idle:?}");
+    // So many that chance comes upon each.
+    if counts.made >= 5000 {
+        let all: BTreeSet<&str> = ATTRIBUTES.iter().map(|(name, _)| *name).collect();
+        assert_eq!(all.difference(&set).collect::<Vec<_>>(), Vec::<&&str>::new());
+    }
     assert!(counts.longest < LONGEST, "{:?}: {}", counts.longest, counts.slowest);
     assert!(counts.undecided.len() * 100 <= counts.made, "{}", counts.undecided.join("\n"));
     assert!(counts.refuted * 100 > counts.made && counts.refused * 5 > counts.made, "the mutants say something");

@@ -133,6 +133,16 @@ pub struct Cut {
     pub given: Lit,
 }
 
+/// Where numbers are computed in one scan.
+pub struct Sums {
+    /// The graph.
+    pub aig: Aig,
+    /// What is known of what is remembered.
+    pub given: Lit,
+    /// What is made of them, and whether it leaves its type.
+    pub leave: Vec<(String, Lit)>,
+}
+
 /// What holds once the claims have been shown: in the first scan, and with what the proof of [`step`] rests on in any
 /// later one.
 #[derive(Clone, Copy)]
@@ -161,13 +171,12 @@ impl<'a> Shown<'_, 'a> {
         })
     }
 
-    /// Where numbers are computed in both scans: what is made of them, and whether they leave their types; with the
-    /// graph and what is known of what is remembered.
-    pub fn sums(self) -> [(Aig, Lit, Vec<(String, Lit)>); 2] {
+    /// Where numbers are computed in both scans.
+    pub fn sums(self) -> [Sums; 2] {
         self.scans().map(|mut both| {
             let (inputs, clocks) = both.given_to_program(self.matched);
             let sums = self.pair.program.sums(&mut both.aig, &both.program, &inputs, &clocks);
-            (both.aig, both.given, sums)
+            Sums { aig: both.aig, given: both.given, leave: sums }
         })
     }
 }

@@ -78,6 +78,10 @@ fn variable(node: Node<'_>, scope: Scope, names: &mut Names, project: &mut Proje
         Type::Block(_) if initial.is_some() => {
             return Err(xml::not_understood(format!("the initial value of function block `{name}`"), node));
         }
+        // What stands at an address without being looked at may lie over an output.
+        Type::Block(_) | Type::Other(_) if xml::attribute(node, "address").is_some_and(|a| !a.is_empty()) => {
+            return Err(xml::not_understood(format!("the address of `{name}`, a variable of such a type,"), node));
+        }
         Type::Block(kind) => Symbol::Block(project.blocks.push(Block { name: name.to_owned(), scope, kind })),
         Type::Other(name) => Symbol::Other(name),
     };

@@ -334,15 +334,17 @@ impl<'b, 'a> Flow<'b, 'a> {
             let point = xml::child(variable, "connectionPointIn");
             let lines = self.body.lines(variable)?;
             let text = point.and_then(|p| xml::child(p, "expression")).map(xml::text);
+            let what = st::input(cx.blocks[block].kind, pin);
+            let other = || xml::not_understood(format!("pin `{pin}` of {}", describe(node)), variable);
             if lines.is_empty() && text.is_none() {
                 plain(variable, "fed by nothing")?;
+                if what.is_none() && !pin.eq_ignore_ascii_case("EN") {
+                    return Err(other());
+                }
                 continue;
             }
             exact(pin, variable, cx)?;
-            let what = st::input(cx.blocks[block].kind, pin);
-            let what = what.filter(|_| seen.insert(pin.to_ascii_uppercase()));
-            let what =
-                what.ok_or_else(|| xml::not_understood(format!("pin `{pin}` of {}", describe(node)), variable))?;
+            let what = what.filter(|_| seen.insert(pin.to_ascii_uppercase())).ok_or_else(other)?;
             match what {
                 st::Pin::Input | st::Pin::Reset => {
                     let condition = match &text {
@@ -371,6 +373,10 @@ impl<'b, 'a> Flow<'b, 'a> {
         }
         self.calls.push(Statement::Call(call));
         for variable in pins(node, "outputVariables") {
+            let pin = xml::required(variable, "formalParameter")?;
+            if !pin.eq_ignore_ascii_case("ENO") && st::output(block, pin, cx.blocks).is_none() {
+                return Err(xml::not_understood(format!("pin `{pin}` of {}", describe(node)), variable));
+            }
             self.assign_output(variable, block, cx)?;
             // Where something comes from it, that is looked at with the line.
             if let Err(problem) = plain(variable, "used by nothing")
@@ -426,10 +432,13 @@ impl<'b, 'a> Flow<'b, 'a> {
     fn assign_result(&mut self, node: Node<'a>, cx: &mut Context<'_, '_>) -> Result<(), Problem> {
         if cx.family == Family::Beremiz {
             // It runs when its user does; without one it does nothing, unless it is to run before all else.
-            let ordered = xml::attribute(node, "executionOrderId").is_some_and(|n| n != "0");
-            let message = || xml::not_understood(format!("the execution order of {}", describe(node)), node);
-            return if ordered { Err(message()) } else { Ok(()) };
+            if xml::attribute(node, "executionOrderId").is_some_and(|n| n != "0") {
+                return Err(xml::not_understood(format!("the execution order of {}", describe(node)), node));
+            }
+            return functions::read(node, self.body, cx).map(|_| ());
         }
+        // One that is not understood may write something, or may not be there.
+        functions::read(node, self.body, cx)?;
         for pin in functions::results(node) {
             let target = xml::child(pin, "connectionPointOut").and_then(|p| xml::child(p, "expression"));
             let target = target.map(xml::text).unwrap_or_default();
@@ -541,6 +550,13 @@ pub fn plain(pin: Node<'_>, what: &str) -> Result<(), Problem> {
 fn leaves_box(line: &Line<'_>, node: Node<'_>, cx: &Context<'_, '_>) -> Result<(), Problem> {
     if cx.family == Family::Beremiz && xml::child(line.node, "position").is_none() {
         return Err(xml::not_understood(format!("a line from {} without a position", describe(node)), line.node));
+    }
+    if cx.family == Family::Beremiz && line.node.attribute("formalParameter").is_some_and(|name| name.trim().is_empty())
+    {
+        return Err(xml::not_understood(
+            format!("a line from an output of {} without a name", describe(node)),
+            line.node,
+        ));
     }
     exact(line.parameter.unwrap_or_default(), line.node, cx)
 }

@@ -178,6 +178,8 @@ mod tests {
         assert_eq!(interval("TIME#20ms"), Some(20_000));
         assert_eq!(interval("t#20ms"), Some(20_000));
         assert_eq!(interval("D#20ms"), None);
+        let counted = ["us", "µs", "ms", "S", "min"].map(|unit| counted("20", unit));
+        assert_eq!(counted, [Some(20), Some(20), Some(20_000), Some(20_000_000), None]);
     }
 
     #[test]

@@ -26,6 +26,7 @@
 mod actions;
 mod body;
 mod branches;
+mod compiled;
 mod declarations;
 mod flow;
 mod functions;
@@ -152,6 +153,11 @@ fn read_types<'a>(file: File<'a>, problems: &mut Diagnostics) -> BTreeMap<String
     for pou in file.find("pou", &["pous"], problems) {
         let Some(name) = xml::attribute(pou, "name") else { continue };
         refuse_standard_name(pou, problems);
+        if file.family == Family::Beremiz
+            && let Some(what) = compiled::unit(pou)
+        {
+            problems.push(xml::not_understood(what, pou));
+        }
         if types.insert(fold(name), pou).is_some() {
             problems.push(xml::problem(Code::Clash, format!("two programs have the name `{name}`"), pou));
         }

@@ -135,6 +135,7 @@ mod tests {
             ("p\n", "Q\n"),
             ("a: Bool", "a: INT"),
             ("a: Bool", "a: Bool := TRUE"),
+            ("a: Bool", "a: Bool :="),
             ("a: Bool", "a, C: Bool"),
             ("%ix0.0", "%ix0.1"),
             (":= - 3", ":= 3"),
@@ -148,5 +149,11 @@ mod tests {
             assert!(good.contains(from) && !says(&good.replacen(from, to, 2)), "{from} {to}");
         }
         assert!(says(&good.replace("VAR //", "{attribute 'qualified_only'} VAR //")));
+        for (list, word) in [("outputVars", "VAR_OUTPUT"), ("externalVars", "VAR_EXTERNAL")] {
+            let document = file.replace("inputVars", list);
+            let document = roxmltree::Document::parse(&document).unwrap();
+            assert!(!agrees(good, document.root_element()));
+            assert!(agrees(&good.replace("VAR_INPUT", word), document.root_element()), "{list}");
+        }
     }
 }

@@ -175,23 +175,8 @@ impl Table {
     /// The lines that hold for that family.
     pub fn of(family: Family) -> Table {
         let mut rows: BTreeMap<_, BTreeMap<_, _>> = BTreeMap::new();
-        for line in TABLE.lines().filter(|l| !l.is_empty() && !l.starts_with('#')) {
-            let mut columns = line.split('|').map(str::trim);
-            let mut next = || columns.next().unwrap_or_default();
-            let (element, parents, attributes, elements) = (next(), next(), next(), next());
-            let (element, only) = element.split_once('@').unwrap_or((element, ""));
-            let holds = match only {
-                "beremiz" => family == Family::Beremiz,
-                "codesys" => family == Family::Codesys,
-                _ => true,
-            };
-            if !holds {
-                continue;
-            }
-            let row = row(attributes, elements);
-            for parent in parents.split_whitespace() {
-                rows.entry(element).or_default().insert(parent, row.clone());
-            }
+        for (element, parent, row) in lines(family) {
+            rows.entry(element).or_default().insert(parent, row);
         }
         Table { rows }
     }
@@ -200,6 +185,27 @@ impl Table {
     pub fn row(&self, parent: &str, element: &str) -> Option<&Row> {
         self.rows.get(element)?.get(parent)
     }
+}
+
+/// The lines that hold for a family: each element, one that it stands in, and what it may hold there.
+fn lines(family: Family) -> Vec<(&'static str, &'static str, Row)> {
+    let mut found = Vec::new();
+    for line in TABLE.lines().filter(|l| l.contains('|')) {
+        let mut columns = line.split('|').map(str::trim);
+        let mut next = || columns.next().unwrap_or_default();
+        let (element, parents, attributes, elements) = (next(), next(), next(), next());
+        let (element, only) = element.split_once('@').unwrap_or((element, ""));
+        let holds = match only {
+            "beremiz" => family == Family::Beremiz,
+            "codesys" => family == Family::Codesys,
+            _ => true,
+        };
+        if holds {
+            let row = row(attributes, elements);
+            found.extend(parents.split_whitespace().map(|parent| (element, parent, row.clone())));
+        }
+    }
+    found
 }
 
 fn row(attributes: &'static str, elements: &'static str) -> Row {
@@ -239,6 +245,8 @@ mod tests {
     #[test]
     fn every_element_that_is_interpreted_has_a_row_and_every_row_is_reached() {
         for family in FAMILIES {
+            let mut seen = BTreeSet::new();
+            assert!(lines(family).into_iter().all(|(element, parent, _)| seen.insert((element, parent))), "{family:?}");
             let table = Table::of(family);
             let mut reached = BTreeSet::from([("-", "project")]);
             let rows =

@@ -8,6 +8,7 @@
 //! A program is looked into when something runs it ([`program`]), and not before.
 
 use super::body::describe;
+use super::compiled;
 use super::schema::{Content, Row, Table, Use};
 use super::vendor;
 use super::xml::{self, Family, Node};
@@ -43,6 +44,11 @@ impl Pass<'_, '_> {
         let mut open = vec![(root, row)];
         while let Some((node, row)) = open.pop() {
             self.attributes(node, row);
+            if self.family == Family::Beremiz
+                && let Some(what) = compiled::objection(node)
+            {
+                self.problems.push(xml::not_understood(what, node));
+            }
             match row.content {
                 Content::Text => text(node, self.problems),
                 Content::Markup => text(wrapped(node), self.problems),

@@ -8,6 +8,10 @@ use roxmltree::{Document, Node};
 pub struct Mutant {
     pub xml: String,
     pub what: String,
+    /// Which of [`RULES`] made it.
+    pub rule: usize,
+    /// The attribute that was set, if one was.
+    pub set: Option<&'static str>,
     /// Whether a reader that makes of it what it made before has passed something over.
     pub means: bool,
 }
@@ -82,6 +86,21 @@ pub const ATTRIBUTES: &[(&str, &[&str])] = &[
     ("y", NUMBER),
 ];
 
+/// What is done to a file.
+pub const RULES: [&str; 11] = [
+    "an attribute is set",
+    "an attribute is set that means something",
+    "an attribute is left out",
+    "an attribute has the value of another one",
+    "an element is left out",
+    "an element stands twice",
+    "two elements change places",
+    "an element becomes another one",
+    "there is one more line",
+    "a text becomes another one",
+    "there is one more element",
+];
+
 /// Attributes of which each value but these says something at each of these elements.
 pub const MEANING: [&str; 9] =
     ["constant", "edge", "initialStep", "negated", "nonpersistent", "nonretain", "persistent", "retain", "storage"];
@@ -114,8 +133,8 @@ const ELEMENTS: [&str; 22] = [
     r#"<initialValue><simpleValue value="TRUE"/></initialValue>"#,
 ];
 
-/// Changes one thing, if what chance chooses fits.
-pub fn mutant(xml: &str, rng: &mut Rng) -> Option<Mutant> {
+/// Changes one thing, if what chance chooses fits; `more` are elements that may be put in besides those of bodies.
+pub fn mutant(xml: &str, more: &[String], rng: &mut Rng) -> Option<Mutant> {
     let document = Document::parse(xml).expect("the compiler writes XML");
     let nodes: Vec<Node<'_, '_>> = document.descendants().filter(|n| n.is_element() && !words(*n)).collect();
     // Most elements say where something is drawn.
@@ -129,17 +148,19 @@ pub fn mutant(xml: &str, rng: &mut Rng) -> Option<Mutant> {
         let same = |n: &&Node<'_, '_>| n.tag_name().name() == node.tag_name().name() && **n != node && wanted(n);
         nodes.iter().filter(same).copied().collect::<Vec<_>>()
     };
-    let plain = |xml: String, what: String| Some(Mutant { xml, what, means: false });
-    match rng.below(16) {
+    let chance = rng.below(17);
+    let rule = [0, 0, 0, 0, 1, 1, 2, 3, 3, 4, 5, 6, 7, 8, 9, 10, 10][chance];
+    let plain = |xml: String, what: String| Some(Mutant { xml, what, rule, set: None, means: false });
+    match chance {
         0..4 => {
             let (name, values) = *rng.pick(ATTRIBUTES);
-            attribute(xml, node, name, rng.pick::<&str>(values))
+            attribute(xml, node, name, rng.pick::<&str>(values), rule)
         }
         // One that may stand there says more.
         4..6 => {
             let meaning: Vec<_> = ATTRIBUTES.iter().copied().filter(|(n, _)| MEANING.contains(n)).collect();
             let (name, values) = *rng.pick(&meaning);
-            attribute(xml, node, name, rng.pick::<&str>(values))
+            attribute(xml, node, name, rng.pick::<&str>(values), rule)
         }
         6 => {
             let own: Vec<_> = node.attributes().map(|a| a.name().to_owned()).collect();
@@ -194,14 +215,15 @@ pub fn mutant(xml: &str, rng: &mut Rng) -> Option<Mutant> {
             plain(changed, format!("the text {:?} of {} becomes {text:?}", one.text()?, describe(one)))
         }
         _ => {
-            let more = *rng.pick(&ELEMENTS);
+            let number = rng.below(ELEMENTS.len() + more.len());
+            let more = ELEMENTS.get(number).copied().unwrap_or_else(|| more[number - ELEMENTS.len()].as_str());
             let text = with_child(xml, node, more, rng.below(2) == 0);
             plain(text, format!("{about} holds {more} as well"))
         }
     }
 }
 
-fn attribute(xml: &str, node: Node<'_, '_>, name: &str, value: &str) -> Option<Mutant> {
+fn attribute(xml: &str, node: Node<'_, '_>, name: &'static str, value: &str, rule: usize) -> Option<Mutant> {
     let element = node.tag_name().name();
     let old = node.attribute(name);
     let says_nothing = |v: &str| matches!(v, "" | "none" | "false" | "0");
@@ -210,7 +232,7 @@ fn attribute(xml: &str, node: Node<'_, '_>, name: &str, value: &str) -> Option<M
     let same = same || (yes(value) && old.is_some_and(yes));
     let means = !same && MEANING.contains(&name) && MEANT.contains(&element);
     let xml = with_attribute(xml, node, name, value);
-    Some(Mutant { xml, what: format!("{}: {name} is {value:?}", describe(node)), means })
+    Some(Mutant { xml, what: format!("{}: {name} is {value:?}", describe(node)), rule, set: Some(name), means })
 }
 
 /// Whether an element only holds words for people.

@@ -247,13 +247,14 @@ codes! {
     BadHappening "E708" "a scenario lets something happen that the plant does not know",
 
     Different "E801" "a program does not do what its chart says",
-    Undecided "E802" "a program cannot be compared with a chart",
+    Undecided "E802" "a program is neither proved nor refuted",
     BadWitness "E803" "a run that another tool found cannot be read",
     NotShown "E804" "a run that another tool found shows nothing",
 
     NeverDriven "W501" "an output is never driven",
     NeverUsed "W502" "something is declared and never used",
     CyclicReliefs "W503" "reliefs of combined constraints form a cycle",
+    StaleAcceptance "W504" "a warning is accepted that there is not",
 }
 
 impl Code {

@@ -1,14 +1,16 @@
 //! The constraints leave the filter a way out: properties 1, 3 and 4 of the paper on logical constraints, for
 //! all that the filter can come to under the declared assumptions ([`crate::constraints::properties`]).
 
+use super::excuses::Excuses;
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::constraints::properties::{self, Kind, Violation};
 use crate::constraints::questions::Witness;
 use crate::constraints::safe;
-use crate::ir::chart::{Machine, Relief};
+use crate::ir::chart::{ConstraintId, Machine, Relief};
 use crate::ir::relief::Reliefs;
+use crate::ir::scenario::Excused;
 
-pub fn check(machine: &Machine, found: &mut Diagnostics) {
+pub fn check(machine: &Machine, excuses: &mut Excuses<'_>, found: &mut Diagnostics) {
     if machine.safety.relief != Relief::Together {
         return; // What is in order is another matter.
     }
@@ -26,15 +28,15 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         return; // What is said of a cycle holds only for constraints that are coherent.
     }
     for cycle in &reliefs.cycles {
-        let mut names: Vec<&str> =
-            cycle.iter().map(|&j| constraints[reliefs.combined[j].constraint].name.as_str()).collect();
+        let mut of: Vec<ConstraintId> = cycle.iter().map(|&j| reliefs.combined[j].constraint).collect();
+        let mut names: Vec<&str> = of.iter().map(|&c| constraints[c].name.as_str()).collect();
         names.dedup();
-        let first = constraints[reliefs.combined[cycle[0]].constraint].span;
-        found.push(
-            Diagnostic::new(Code::CyclicReliefs, format!("the reliefs of {} set each other off", names.join(", ")))
-                .label(first, "one of them")
-                .help("this is coherent, but the filter needs a round for each output in the cycle that yields"),
-        );
+        let d = Diagnostic::new(Code::CyclicReliefs, format!("the reliefs of {} set each other off", names.join(", ")))
+            .label(constraints[of[0]].span, "one of them")
+            .help("this is coherent, but the filter needs a round for each output in the cycle that yields");
+        of.sort_unstable();
+        of.dedup();
+        excuses.warn(&Excused::Cyclic(of), d, found);
     }
 }
 

@@ -15,6 +15,7 @@ mod coherence;
 mod dead;
 mod done;
 mod entered;
+mod excuses;
 mod fires;
 mod observers;
 mod opposed_drives;
@@ -27,6 +28,7 @@ mod writes;
 
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
+use excuses::Excuses;
 
 /// Applies every rule.
 pub fn check(machine: &mut Machine) -> Diagnostics {
@@ -40,8 +42,13 @@ pub fn check(machine: &mut Machine) -> Diagnostics {
     writes::check(machine, &mut found);
     opposed_drives::check(machine, &mut found);
     assumed::check(machine, &mut found);
-    coherence::check(machine, &mut found);
     order::check(machine, &mut found);
-    unused::check(machine, &mut found);
+    let mut excuses = Excuses::new(machine);
+    coherence::check(machine, &mut excuses, &mut found);
+    unused::check(machine, &mut excuses, &mut found);
+    // What is wrong may be what keeps a warning from being there.
+    if !found.has_errors() {
+        excuses.stale(&mut found);
+    }
     found
 }

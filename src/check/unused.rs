@@ -1,10 +1,12 @@
 //! What is declared is used.
 
+use super::excuses::Excuses;
 use crate::base::{Code, Diagnostic, Diagnostics, Span};
 use crate::ir::chart::{Atom, Deeds, Guard, Machine};
 use crate::ir::expr::Expr;
+use crate::ir::scenario::{Declared, Excused};
 
-pub fn check(machine: &Machine, found: &mut Diagnostics) {
+pub fn check(machine: &Machine, excuses: &mut Excuses<'_>, found: &mut Diagnostics) {
     let mut inputs = vec![false; machine.inputs.len()];
     let mut read = vec![false; machine.variables.len()];
     let mut written = vec![false; machine.variables.len()];
@@ -48,10 +50,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
 
     for (id, input) in machine.inputs.iter() {
         if !inputs[id.index()] {
-            found.push(
-                Diagnostic::new(Code::NeverUsed, format!("the input `{}` is never read", input.name))
-                    .label(input.span, "declared here"),
-            );
+            let d = Diagnostic::new(Code::NeverUsed, format!("the input `{}` is never read", input.name))
+                .label(input.span, "declared here");
+            excuses.warn(&Excused::Unused(Declared::Input(id)), d, found);
         }
     }
     // What a function brings along stands nowhere in the text, and may be for people only.
@@ -62,10 +63,9 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             (false, _) => "never read",
             (true, false) => "never set or reset",
         };
-        found.push(
-            Diagnostic::new(Code::NeverUsed, format!("the variable `{}` is {problem}", variable.name))
-                .label(variable.span, "declared here"),
-        );
+        let d = Diagnostic::new(Code::NeverUsed, format!("the variable `{}` is {problem}", variable.name))
+            .label(variable.span, "declared here");
+        excuses.warn(&Excused::Unused(Declared::Variable(id)), d, found);
     }
     for (id, event) in machine.events.iter().filter(|(_, e)| written_out(&e.name, e.span)) {
         let problem = match (heard[id.index()], raised[id.index()]) {
@@ -73,25 +73,23 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
             (false, _) => "never read",
             (true, false) => "never raised",
         };
-        found.push(
-            Diagnostic::new(Code::NeverUsed, format!("the event `{}` is {problem}", event.name))
-                .label(event.span, "declared here"),
-        );
+        let d = Diagnostic::new(Code::NeverUsed, format!("the event `{}` is {problem}", event.name))
+            .label(event.span, "declared here");
+        excuses.warn(&Excused::Unused(Declared::Event(id)), d, found);
     }
-    integers(machine, &compared, found);
+    integers(machine, &compared, excuses, found);
     for (id, output) in machine.outputs.iter() {
         if !driven[id.index()] {
-            found.push(
-                Diagnostic::new(Code::NeverDriven, format!("no state drives `{}`", output.name))
-                    .label(output.span, "stays FALSE unless a constraint forces it")
-                    .help("write `drives` in a state, or let a region control its actuator"),
-            );
+            let d = Diagnostic::new(Code::NeverDriven, format!("no state drives `{}`", output.name))
+                .label(output.span, "stays FALSE unless a constraint forces it")
+                .help("write `drives` in a state, or let a region control its actuator");
+            excuses.warn(&Excused::Unused(Declared::Output(id)), d, found);
         }
     }
 }
 
 /// Integers: `compared` says which comparisons conditions of the program read.
-fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
+fn integers(machine: &Machine, compared: &[bool], excuses: &mut Excuses<'_>, found: &mut Diagnostics) {
     let mut read = vec![false; machine.integers.len()];
     let mut written = vec![false; machine.integers.len()];
     for ((_, comparison), _) in machine.comparisons.iter().zip(compared).filter(|(_, compared)| **compared) {
@@ -111,9 +109,8 @@ fn integers(machine: &Machine, compared: &[bool], found: &mut Diagnostics) {
             (false, _) => "never compared with anything",
             (true, false) => "never given another value",
         };
-        found.push(
-            Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
-                .label(integer.span, "declared here"),
-        );
+        let d = Diagnostic::new(Code::NeverUsed, format!("the integer `{}` is {problem}", integer.name))
+            .label(integer.span, "declared here");
+        excuses.warn(&Excused::Unused(Declared::Integer(id)), d, found);
     }
 }

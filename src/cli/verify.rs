@@ -5,7 +5,7 @@ use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, finish, needed, read, say, tell, usage};
-use crate::base::LineIndex;
+use crate::base::{Code, LineIndex};
 use crate::ir::chart::Machine;
 use crate::ir::scenario::Acceptance;
 use crate::pipeline::findings::{Findings, Place};
@@ -133,8 +133,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     let demanded = || verified.answers.iter().filter(|a| a.demand);
     let violated = demanded().any(|a| a.status == Status::Violated);
+    let warned = |code: Code| report.files.iter().flat_map(|f| f.diagnostics.iter()).any(|d| d.code == code);
     let stale = args.deny.iter().any(|deny| matches!(deny, Deny::Stale | Deny::All))
-        && fates(&verified).any(|(_, fate, _)| fate == Fate::Stale);
+        && (warned(Code::StaleAcceptance) || fates(&verified).any(|(_, fate, _)| fate == Fate::Stale));
     // Who declares a property or denies something wants to know; what all machines are asked may stay open.
     let asked = |a: &&Answer| !matches!(a.question, Question::Assumable | Question::Moves);
     let open = demanded().filter(asked).any(|a| matches!(a.status, Status::Unknown(_)));

@@ -51,7 +51,7 @@
 
 use super::expr::Expr;
 use super::number::Comparison;
-use super::scenario::{Acceptance, Plant, Property, Scenario};
+use super::scenario::{Acceptance, Excuse, Plant, Property, Scenario};
 use crate::base::{Arena, Id, Span};
 
 mod paths;
@@ -125,6 +125,8 @@ pub struct Machine {
     pub properties: Vec<Property>,
     /// The findings of verification that are accepted, each once.
     pub accepted: Vec<Acceptance>,
+    /// The warnings that are accepted, each once.
+    pub excused: Vec<Excuse>,
     /// How the machine's parts react.
     pub plant: Plant,
     /// Tests of the machine, in order of declaration.

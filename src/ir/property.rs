@@ -49,7 +49,7 @@ impl PropertyKind {
     }
 }
 
-/// `accept silent from Off to On "…"`: a finding of verification that is meant so.
+/// `accept silent from Off to On "…"`: a finding of verification, or a warning, that is meant so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Acceptance {
     /// What is accepted.
@@ -62,7 +62,7 @@ pub struct Acceptance {
     pub span: Span,
 }
 
-/// A finding by what it speaks of.
+/// A finding or a warning by what it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Accepted {
     /// `unreachable S`.
@@ -77,6 +77,10 @@ pub enum Accepted {
     Acts(Name),
     /// `void P`.
     Void(Name),
+    /// `unused X`.
+    Unused(Name),
+    /// `cyclic C, D`.
+    Cyclic(Vec<Name>),
 }
 
 /// `from A to B number 2`, `internal of A`: a transition by its ends.

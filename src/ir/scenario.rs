@@ -35,7 +35,10 @@
 //! is looked at after each reading, writing and happening; what reads how it came to that, only after readings. Verification covers all courses; there an actuator that
 //! travels takes its way step by step among the happenings.
 
-use super::chart::{ActuatorId, Atom, ConstraintId, InputId, IntegerId, Machine, Mark, StateId, TransitionId};
+use super::chart::{
+    ActuatorId, Atom, ConstraintId, EventId, InputId, IntegerId, Machine, Mark, OutputId, StateId, TransitionId,
+    VariableId,
+};
 use super::expr::Expr;
 use super::number::{Comparison, Number, Range};
 use crate::base::{Arena, Id, Span};
@@ -284,6 +287,43 @@ pub enum Accepted {
     Acts(ConstraintId),
     /// The property of that index says nothing.
     Void(usize),
+}
+
+/// A warning that is meant so.
+#[derive(Clone, Debug)]
+pub struct Excuse {
+    /// Which.
+    pub warning: Excused,
+    /// How a model says it, without the reason.
+    pub written: String,
+    /// Why it is meant so.
+    pub reason: String,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A warning by what it speaks of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Excused {
+    /// What is declared is not used in one of the ways in which it could be, or the output is never driven.
+    Unused(Declared),
+    /// The reliefs of these constraints, and of no others, set each other off; in order of declaration.
+    Cyclic(Vec<ConstraintId>),
+}
+
+/// Something that the program declares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Declared {
+    /// An input.
+    Input(InputId),
+    /// An output.
+    Output(OutputId),
+    /// A variable of type BOOL.
+    Variable(VariableId),
+    /// An event.
+    Event(EventId),
+    /// An integer.
+    Integer(IntegerId),
 }
 
 /// A test of the machine.

@@ -1,7 +1,8 @@
 //! The parser's pairs of properties to their syntax trees.
 
 use super::Rule;
-use super::build::{Bad, guard, name, on_one_line, path, span, text};
+use super::build::{Bad, guard, name, path, span, text};
+use super::scan::on_one_line;
 use super::ways::target;
 use crate::ir::ast::{Acceptance, Accepted, Leads, Machine, Property, PropertyKind};
 use pest::iterators::Pair;
@@ -87,6 +88,8 @@ fn accepted(p: Pair<'_, Rule>) -> Accepted {
         }
         Rule::kw_saturates => Accepted::Saturates(named(parts)),
         Rule::kw_acts => Accepted::Acts(named(parts)),
+        Rule::kw_unused => Accepted::Unused(named(parts)),
+        Rule::kw_cyclic => Accepted::Cyclic(parts.filter(|p| p.as_rule() == Rule::name).map(name).collect()),
         _ => Accepted::Void(named(parts)),
     }
 }

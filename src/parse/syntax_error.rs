@@ -146,7 +146,9 @@ fn spelling(rule: Rule) -> Option<String> {
         Rule::response => "`after`".into(),
         Rule::fairness => "`assume`".into(),
         Rule::acceptance => "`accept`".into(),
-        Rule::accepted => "`unreachable`, `silent`, `overlap`, `saturates`, `acts` or `void`".into(),
+        Rule::accepted => {
+            "`unreachable`, `silent`, `overlap`, `saturates`, `acts`, `void`, `unused` or `cyclic`".into()
+        }
         Rule::leads => "`from` or `internal of`".into(),
         Rule::past => "`prev`, `rise` or `fall`".into(),
         Rule::plant => "`plant`".into(),

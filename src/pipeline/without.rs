@@ -46,7 +46,12 @@ fn leave_out(tree: &mut ast::Machine, names: &[String]) -> Diagnostics {
         });
         asks
     };
-    tree.accepted.retain(|a| !matches!(&a.finding, ast::Accepted::Acts(name) if is_out(&name.text)));
+    tree.accepted.retain(|a| match &a.finding {
+        ast::Accepted::Acts(name) => !is_out(&name.text),
+        // Which reliefs set each other off is another matter without them.
+        ast::Accepted::Cyclic(_) => false,
+        _ => true,
+    });
     let gone: Vec<String> = {
         let goes = |p: &&ast::Property| asks(&p.condition) || p.after.as_ref().is_some_and(asks);
         tree.properties.iter().filter(goes).map(|p| iec::fold(&p.name.text)).collect()

@@ -1,25 +1,93 @@
-//! Accepted findings to the states, transitions and others of which they speak.
+//! Accepted findings and warnings to the states, transitions and others of which they speak.
 
 use super::Resolver;
 use super::names::Symbol;
 use crate::base::{Code, Diagnostic, Span, iec};
 use crate::ir::ast::{self, Leads, Path, Target};
-use crate::ir::chart::{self, Inside, StateId, TransitionId};
-use crate::ir::scenario::{Acceptance, Accepted, PropertyKind};
+use crate::ir::chart::{self, ConstraintId, Inside, StateId, TransitionId};
+use crate::ir::scenario::{Acceptance, Accepted, Declared, Excuse, Excused, PropertyKind};
 
 pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
     for written in &tree.accepted {
-        let Some(finding) = finding(r, &written.finding) else { continue };
+        let finding = match warning(r, &written.finding) {
+            Some(Ok(warning)) => {
+                excuse(r, written, warning);
+                continue;
+            }
+            Some(Err(Unknown)) => continue,
+            None => finding(r, &written.finding),
+        };
+        let Some(finding) = finding else { continue };
         if let Some(first) = r.machine.accepted.iter().find(|a| a.finding == finding) {
-            let d = Diagnostic::new(Code::Repeated, "a finding is accepted more than once")
-                .label(written.span, "accepted again")
-                .label(first.span, "first accepted here");
-            r.diagnostics.push(d);
+            let first = first.span;
+            repeated(r, "a finding is accepted more than once", written.span, first);
             continue;
         }
         let (reason, span) = (written.reason.value.clone(), written.span);
         r.machine.accepted.push(Acceptance { finding, written: written.written.clone(), reason, span });
     }
+}
+
+fn repeated(r: &mut Resolver, message: &str, again: Span, first: Span) {
+    let d = Diagnostic::new(Code::Repeated, message).label(again, "accepted again").label(first, "first accepted here");
+    r.diagnostics.push(d);
+}
+
+fn excuse(r: &mut Resolver, written: &ast::Acceptance, warning: Excused) {
+    if let Some(first) = r.machine.excused.iter().find(|e| e.warning == warning).map(|e| e.span) {
+        repeated(r, "a warning is accepted more than once", written.span, first);
+        return;
+    }
+    let (reason, span) = (written.reason.value.clone(), written.span);
+    r.machine.excused.push(Excuse { warning, written: written.written.clone(), reason, span });
+}
+
+/// A name that means nothing has been reported.
+struct Unknown;
+
+/// The warning that is meant, if it is one.
+fn warning(r: &mut Resolver, written: &ast::Accepted) -> Option<Result<Excused, Unknown>> {
+    let declared = match written {
+        ast::Accepted::Unused(name) => match r.symbol(&name.text) {
+            Some(Symbol::Input(id)) => Some(Declared::Input(id)),
+            Some(Symbol::Output(id)) => Some(Declared::Output(id)),
+            Some(Symbol::Variable(id)) => Some(Declared::Variable(id)),
+            Some(Symbol::Event(id)) => Some(Declared::Event(id)),
+            Some(Symbol::Integer(id)) => Some(Declared::Integer(id)),
+            other @ (None | Some(Symbol::Bit(_) | Symbol::Count(_))) => {
+                r.wrong_symbol(name, other, "something that the program declares");
+                None
+            }
+        },
+        ast::Accepted::Cyclic(names) => {
+            let found: Option<Vec<ConstraintId>> = names.iter().map(|name| constraint(r, name)).collect();
+            return Some(match found {
+                Some(mut constraints) => {
+                    constraints.sort_unstable();
+                    constraints.dedup();
+                    Ok(Excused::Cyclic(constraints))
+                }
+                None => Err(Unknown),
+            });
+        }
+        ast::Accepted::Unreachable(_)
+        | ast::Accepted::Silent(_)
+        | ast::Accepted::Overlap(..)
+        | ast::Accepted::Saturates(_)
+        | ast::Accepted::Acts(_)
+        | ast::Accepted::Void(_) => return None,
+    };
+    Some(declared.map(Excused::Unused).ok_or(Unknown))
+}
+
+/// The constraint of that name, or an error.
+fn constraint(r: &mut Resolver, name: &ast::Name) -> Option<ConstraintId> {
+    let folded = iec::fold(&name.text);
+    let found = r.machine.safety.constraints.iter().find(|(_, c)| iec::fold(&c.name) == folded).map(|(id, _)| id);
+    if found.is_none() {
+        missing(r, &format!("there is no constraint `{}`", name.text), name.span);
+    }
+    found
 }
 
 fn finding(r: &mut Resolver, written: &ast::Accepted) -> Option<Accepted> {
@@ -34,14 +102,9 @@ fn finding(r: &mut Resolver, written: &ast::Accepted) -> Option<Accepted> {
                 return None;
             }
         },
-        ast::Accepted::Acts(name) => {
-            let folded = iec::fold(&name.text);
-            let found = r.machine.safety.constraints.iter().find(|(_, c)| iec::fold(&c.name) == folded);
-            match found.map(|(id, _)| id) {
-                Some(id) => Accepted::Acts(id),
-                None => return missing(r, &format!("there is no constraint `{}`", name.text), name.span),
-            }
-        }
+        ast::Accepted::Acts(name) => Accepted::Acts(constraint(r, name)?),
+        // These are warnings.
+        ast::Accepted::Unused(_) | ast::Accepted::Cyclic(_) => return None,
         ast::Accepted::Void(name) => {
             let folded = iec::fold(&name.text);
             let found = r.machine.properties.iter().position(|p| iec::fold(&p.name) == folded);
@@ -130,9 +193,15 @@ fn transition(r: &mut Resolver, leads: &Leads) -> Option<TransitionId> {
         }
         (several, _) => {
             let span = leads.number.map_or(leads.span, |(_, span)| span);
-            let mut d = Diagnostic::new(Code::AmbiguousName, format!("{} transitions have these ends", several.len()))
-                .label(span, "say which one")
-                .help(format!("write `number 1` to `number {}` behind it, in the order of the text", several.len()));
+            let (said, help) = match several.len() {
+                1 => ("one transition has these ends".to_owned(), "leave `number` out, or write `number 1`".to_owned()),
+                n => {
+                    let help = format!("write `number 1` to `number {n}` behind it, in the order of the text");
+                    (format!("{n} transitions have these ends"), help)
+                }
+            };
+            let label = if leads.number.is_some() { "there is none of this number" } else { "say which one" };
+            let mut d = Diagnostic::new(Code::AmbiguousName, said).label(span, label).help(help);
             for &t in several.iter().take(3) {
                 d = d.label(r.machine.transitions[t].span, "one of them");
             }

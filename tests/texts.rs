@@ -6,7 +6,7 @@ use chartwright::pipeline::{self, Dialect};
 use std::collections::BTreeSet;
 
 /// A model in which each place that takes a text has one: `says <rule of the grammar> <number>`.
-const MODEL: &str = r#"
+pub const MODEL: &str = r#"
 machine Press "says machine 1"
 cycle 10ms
 inputs { Go at %IX0.0 "says signal 1"  Up "says signal 2"  Down  Wide  Tight  Stop  Again  Deep "says signal 3" }

@@ -1,8 +1,11 @@
 //! Words that PLCs keep to themselves, and addresses: what a signal cannot be called, and where it cannot be.
 
-use chartwright::base::{iec, words};
+use crate::support::models::repository;
+use chartwright::base::{iec, limits, words};
 use chartwright::ir::chart::Machine;
+use chartwright::ir::plc::Body;
 use chartwright::pipeline::{self, Dialect, Options};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 fn codes(source: &str) -> Vec<&'static str> {
@@ -45,7 +48,7 @@ fn every_word_is_in_upper_case_and_could_be_a_name() {
 #[test]
 fn forms_for_one_type_are_words() {
     let forms = "Int_To_Real TO_INT Time_Of_Day_To_Date REAL_TRUNC_INT TRUNC_DINT BCD_TO_UINT WORD_BCD_TO_UINT \
-                 UINT_TO_BCD_WORD ADD_INT Ctu_Dint MUX_INT_BOOL MAX_TIME EQ_TIME_OF_DAY";
+                 UINT_TO_BCD_WORD To_Bit XWORD_TO_DWORD ADD_INT Ctu_Dint MUX_INT_BOOL MAX_TIME EQ_TIME_OF_DAY";
     for word in forms.split(' ') {
         assert!(words::clash(word).is_some(), "{word}");
     }
@@ -201,6 +204,71 @@ fn a_model_full_of_words_is_built_and_proved() {
         }
         if let (Dialect::Beremiz, Some(folder)) = (dialect, std::env::var_os("CHARTWRIGHT_RANDOM_KEEP")) {
             std::fs::write(std::path::Path::new(&folder).join("words.xml"), &output.xml).expect("the folder is there");
+        }
+    }
+}
+
+/// Every name in the program that a model becomes.
+fn names(source: &str) -> Vec<String> {
+    let (machine, diagnostics) = pipeline::check(source);
+    let project = pipeline::lower(&machine.unwrap_or_else(|| panic!("{diagnostics:?}\n{source}")));
+    let mut names: Vec<String> = project.globals.values().map(|g| g.name.clone()).collect();
+    names.extend([&project.task.name, &project.task.configuration, &project.task.resource].map(Clone::clone));
+    for program in &project.programs {
+        names.extend([program.name.clone(), program.instance.clone()]);
+        if let Body::Sfc(sfc) = &program.body {
+            names.extend(sfc.steps.values().map(|s| s.name.clone()));
+        }
+    }
+    names
+}
+
+/// The other letters of a name in lower case, the others in upper case.
+fn mixed(name: &str) -> String {
+    let case = |(i, c): (usize, char)| if i % 2 == 0 { c.to_ascii_lowercase() } else { c.to_ascii_uppercase() };
+    name.chars().enumerate().map(case).collect()
+}
+
+#[test]
+fn what_is_generated_gives_way_to_signals_of_its_name() {
+    let read = |name: &str| {
+        std::fs::read_to_string(repository("models").join(format!("{name}.chart"))).expect("a model of ours")
+    };
+    let models =
+        "counter counting_observer filter_blocking filter_combined functions history relief_in_order timer choice";
+    let models = models.split(' ').map(read).chain([crate::texts::MODEL.to_owned()]);
+    for model in models {
+        let mut signals: Vec<String> = Vec::new();
+        // What gives way gets another name, and so it goes on.
+        for round in 0..3 {
+            let source =
+                format!("{model}\ninputs {{ {} }}", signals.iter().map(|s| format!("{s} ")).collect::<String>());
+            let all = names(&source);
+            let distinct: BTreeSet<String> = all.iter().map(|n| iec::fold(n)).collect();
+            assert_eq!(distinct.len(), all.len(), "two things have one name: {all:?}");
+            let kept = |s: &String| all.contains(s);
+            assert!(signals.iter().all(kept), "a signal keeps its name");
+            let legal =
+                |n: &str| iec::illegal(n).is_none() && words::clash(n).is_none() && n.len() <= limits::NAME_LENGTH;
+            let own = |n: &&String| !signals.contains(n) && legal(n);
+            let fresh: Vec<String> = all.iter().filter(own).map(|n| mixed(n)).collect();
+            assert!(fresh.len() > 10, "round {round}: {all:?}");
+            // Names of the model itself are taken.
+            let (machine, _) = pipeline::check(&model);
+            let machine = machine.expect("a model without errors");
+            let taken: BTreeSet<String> = machine
+                .inputs
+                .values()
+                .map(|i| &i.name)
+                .chain(machine.outputs.values().map(|o| &o.name))
+                .chain(machine.variables.values().map(|v| &v.name))
+                .chain(machine.events.values().map(|e| &e.name))
+                .chain(machine.integers.values().map(|i| &i.name))
+                .map(|n| iec::fold(n))
+                .chain(machine.plant.bits.values().map(|b| iec::fold(&b.name)))
+                .chain(machine.plant.counts.values().map(|c| iec::fold(&c.name)))
+                .collect();
+            signals.extend(fresh.into_iter().filter(|n| !taken.contains(&iec::fold(n))));
         }
     }
 }

@@ -48,13 +48,14 @@ fn known() -> &'static BTreeMap<&'static str, &'static str> {
 }
 
 /// Whether it is a function or block of the standard for one type: `ADD_INT`, `CTU_DINT`, `MUX_INT_BOOL`; or one that
-/// turns one type into another: `INT_TO_REAL`, `TO_INT`, `REAL_TRUNC_INT`, `WORD_BCD_TO_UINT`.
+/// turns one type into another: `INT_TO_REAL`, `TO_INT`, `REAL_TRUNC_INT`, `WORD_BCD_TO_UINT`, `XWORD_TO_DWORD`.
 fn typed(word: &str) -> bool {
     let elementary = |word: &str| !word.starts_with("ANY") && TYPES.split_whitespace().any(|t| t == word);
     let coded = |word: &str| {
         word == "BCD" || [word.strip_suffix("_BCD"), word.strip_prefix("BCD_")].into_iter().flatten().any(elementary)
     };
-    let either = |word: &str| elementary(word) || coded(word);
+    let own = |word: &str| CODESYS_TYPES.split_whitespace().any(|t| t == word);
+    let either = |word: &str| elementary(word) || coded(word) || own(word);
     // A name of a type may hold `_TO_` or `_` itself, so each place is tried.
     let split = |between: &str, left: &dyn Fn(&str) -> bool, right: &dyn Fn(&str) -> bool| {
         word.match_indices(between).any(|(at, _)| left(&word[..at]) && right(&word[at + between.len()..]))
@@ -191,6 +192,10 @@ const CODESYS: &str = "
     POINTER PROPERTY REFERENCE SIZEOF TEST_AND_SET TO_CHAR TO_WCHAR TRUNC_INT UNION UXINT VAR_GENERIC
     VAR_INST VAR_STAT WCHAR_TO XADD XINT XSIZEOF XWORD
 ";
+
+/// Those of them that are types, which are converted like others: `TO_BIT`, `XWORD_TO_DWORD` (the pages "Type Conversion
+/// Operators" of both).
+const CODESYS_TYPES: &str = "BIT UXINT XINT XWORD";
 
 /// Flags that every SFC has: the help pages "SFC Flags" of both.
 const SFC_FLAGS: &str = "

@@ -8,7 +8,8 @@ use chartwright::verify::{Engine, Limit};
 use std::collections::BTreeSet;
 
 /// The snapshots of this file.
-pub const SNAPSHOTS: [&str; 9] = ["found", "denied", "unknown", "stuck", "any", "needed", "test", "prove", "sentences"];
+pub const SNAPSHOTS: [&str; 10] =
+    ["found", "denied", "unknown", "stuck", "any", "needed", "test", "prove", "sentences", "derived"];
 
 fn snapshot(name: &str, text: &str) {
     assert!(SNAPSHOTS.contains(&name), "{name}");
@@ -90,7 +91,7 @@ fn says(model: &str, arguments: &str) -> (i32, String) {
     let said = stdout(&output);
     let end = said.trim_end().rfind('\n').map_or(0, |i| i + 1);
     let (rest, last) = said.split_at(end);
-    assert!(last.contains(" bits of memory") || last.contains("constraints are needed"), "{said}");
+    assert!(last.contains(" bits of memory") || last.contains("all others in place"), "{said}");
     (code(&output), rest.to_owned())
 }
 
@@ -509,4 +510,109 @@ fn properties_and_scenarios_ask_for_the_past_of_a_state() {
     // The program does not remember it.
     let guard = text("", "P1: never LAMP", "").replace("when not Push", "when rise(in(Lit))");
     assert!(chartwright::pipeline::check(&guard).0.is_none());
+}
+
+/// What is derived, and conditions that are no products.
+const DERIVED: &str = r#"machine Derived
+cycle 10ms
+inputs { Up Down Go Way }
+outputs { LIFT LOWER LAMP HORN }
+actuator Arm bistable valve memory {
+  position Top    output LIFT  sensor Up
+  position Bottom output LOWER sensor not (Down or Up)
+}
+actuator Light onoff by LAMP
+actuator Horn onoff by HORN
+chart C {
+  initial state Off { drives LIFT when Way  drives LOWER when Go and not Way }
+  state On { drives LAMP  drives HORN }
+  from Off to On when Go and Way
+  from On to Off when not Go
+}
+safety controller {
+  S1: never LAMP and   // either way
+    (HORN xor Go) yields LAMP
+  assume A1: never (Up and Down) or (Go and Up)
+  derive Arm
+}
+properties { P1: never LAMP   and (HORN // on two lines
+  or Go) }
+scenario "as written" { expect LAMP   // not yet
+  or HORN }
+"#;
+
+#[test]
+fn conditions_are_shown_as_they_are_written_everywhere() {
+    let directory = Scratch::new("findings_derived");
+    directory.write("m.chart", DERIVED.replace("scenario \"as written\" {", "scenario \"as written\" { wait 1 scan"));
+    let mut text = String::new();
+    for (arguments, expected) in [
+        ("verify m.chart --engine exact", 1),
+        ("constraints m.chart", 0),
+        ("constraints m.chart --derive", 0),
+        ("test m.chart", 1),
+    ] {
+        let output = chartwright(directory.path(), arguments);
+        assert_eq!(code(&output), expected, "{arguments}: {}", stderr(&output));
+        // How long it took, and how large it was, is nobody's wording.
+        let lines = stdout(&output).lines().filter(|l| !l.contains("bits of memory"));
+        text += &format!("== {arguments}\n{}\n", lines.collect::<Vec<_>>().join("\n"));
+    }
+    snapshot("derived", &text);
+}
+
+/// An oven with three warnings, and what is accepted of it.
+fn oven(properties: &str) -> String {
+    format!(
+        "machine Oven inputs {{ Start Spare }} outputs {{ HEAT FAN BELL }}
+         actuator Heater onoff by HEAT actuator Blower onoff by FAN actuator Bell onoff by BELL
+         chart Oven {{ initial state Off  state On {{ drives HEAT  drives FAN }}  from Off to On when Start  from On to Off when not Start }}
+         safety supervisor {{
+           C1: never HEAT and not FAN yields HEAT
+           C2: never FAN and not HEAT yields FAN
+           C3: never HEAT and not Start
+         }}
+         plant {{ hidden Sooty }}
+         properties {{ {properties} }}"
+    )
+}
+
+fn codes(source: &str) -> Vec<&'static str> {
+    let mut codes: Vec<_> = chartwright::pipeline::check(source).1.iter().map(|d| d.code.number()).collect();
+    codes.sort_unstable();
+    codes
+}
+
+#[test]
+fn warnings_are_accepted_by_what_they_speak_of() {
+    let all = "accept unused Spare \"a\" accept unused BELL \"b\" accept cyclic C2, C1 \"c\"";
+    for (properties, expected) in [
+        ("", &["W501", "W502", "W503"][..]),
+        (all, &[]),
+        ("accept unused spare \"case means nothing\"", &["W501", "W503"]),
+        ("accept unused BELL \"b\"", &["W502", "W503"]),
+        // Of no more and no fewer constraints.
+        ("accept cyclic C1 \"c\"", &["W501", "W502", "W503", "W504"]),
+        ("accept cyclic C1, C2, C3 \"c\"", &["W501", "W502", "W503", "W504"]),
+        // What is used.
+        ("accept unused HEAT \"b\"", &["W501", "W502", "W503", "W504"]),
+        ("accept unused Spare \"a\" accept unused SPARE \"again\"", &["E010"]),
+        ("accept cyclic C1, C2 \"c\" accept cyclic C2, C1 \"again\"", &["E010"]),
+        ("accept unused Nothing \"a\"", &["E104"]),
+        ("accept cyclic C1, C9 \"c\"", &["E104"]),
+        ("accept unused Sooty \"no part of the program\"", &["E106"]),
+        ("accept unused Heater \"no signal\"", &["E104"]),
+    ] {
+        assert_eq!(codes(&oven(properties)), expected, "{properties}");
+    }
+    // In every command, and an error where that is asked for.
+    let (exit, _) = says(&oven(all), "verify m.chart --deny stale");
+    assert_eq!(exit, 0);
+    let (exit, _) = says(&oven("accept unused HEAT \"b\""), "verify m.chart --deny stale");
+    assert_eq!(exit, 1);
+    let (exit, _) = says(&oven("accept unused HEAT \"b\""), "verify m.chart");
+    assert_eq!(exit, 0);
+    // Without one of them the others are no cycle, and nobody said that they were.
+    let (machine, diagnostics) = chartwright::pipeline::without::check(&oven(all), &["C1".to_owned()]);
+    assert!(machine.is_some() && diagnostics.is_empty(), "{diagnostics:?}");
 }

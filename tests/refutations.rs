@@ -135,7 +135,8 @@ fn what_lies_too_deep_is_neither_proved_nor_refuted() {
     // The run that shows it has 30,000 scans.
     assert_eq!(
         beside("N := N + 1; LAMP := LAMP OR N = 30000;"),
-        "not inductive: that LAMP is output LAMP fails from in(Closed), Count = 2"
+        "it is not so that LAMP in the program is output LAMP after a scan that begins with in(Closed), Count = 2, and nobody \
+         knows whether a run comes to that"
     );
 }
 

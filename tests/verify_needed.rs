@@ -223,7 +223,7 @@ fn the_command_line_says_it_by_its_exit_code() {
         "needed      S1 (line 12): without it P1 is violated in scan 1",
         "not needed  S2 (line 13): implied by S1",
         "not needed  S4 (line 15): no property that is asked is violated without it\n",
-        "2 of 5 constraints are needed, 3 are not",
+        "of 5 constraints, each with all others in place, 2 needed and 3 not needed",
     ] {
         assert!(told.contains(line), "{told}");
     }

@@ -59,7 +59,7 @@ fn derive(args: &Args) -> Outcome {
     let item = |d: Derived| Item {
         name: d.constraint.name.text.clone(),
         source: source::constraint(&d.constraint),
-        from: d.sources,
+        from: d.sources(),
     };
     told.and(finish("constraints", format, &report, &Derivable { derived: all.into_iter().map(item).collect() }))
 }
@@ -69,9 +69,10 @@ fn text(all: &[Derived]) -> String {
     let mut text = String::new();
     let mut last = None;
     for d in all {
-        if last != Some(&d.sources) {
-            text += &format!("// from {}\n", d.sources.join(", "));
-            last = Some(&d.sources);
+        let from = d.sources();
+        if last.as_ref() != Some(&from) {
+            text += &format!("// from {}\n", from.join(", "));
+            last = Some(from);
         }
         text += &source::constraint(&d.constraint);
         text.push('\n');

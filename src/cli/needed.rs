@@ -230,9 +230,9 @@ fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
     let count = |what: &str| found.without.iter().filter(|(_, without)| verdict(without) == what).count();
     let _ = writeln!(
         text,
-        "\n{} of {} constraints are needed, {} are not, each with all others in place; {}.{:03} s",
+        "\nof {}, each with all others in place, {} needed and {} not needed; {}.{:03} s",
+        crate::base::count(found.without.len(), "constraint"),
         count("needed"),
-        found.without.len(),
         count("not needed"),
         time.as_secs(),
         time.subsec_millis()

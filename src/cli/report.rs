@@ -1,6 +1,6 @@
 //! Diagnostics to what a person or a program reads.
 
-use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity, Span, limits};
+use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity, Span, count, limits};
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str};
 use serde::Serialize;
 use std::ops::Range;
@@ -123,12 +123,7 @@ impl Report {
                 }
             }
         }
-        let line = |count: usize, what: &str| match count {
-            0 => format!("no {what}s"),
-            1 => format!("1 {what}"),
-            n => format!("{n} {what}s"),
-        };
-        text += &format!("{}, {}", line(counts.errors, "error"), line(counts.warnings, "warning"));
+        text += &format!("{}, {}", count(counts.errors, "error"), count(counts.warnings, "warning"));
         if counts.omitted > 0 {
             text += &format!(" ({} of them not shown)", counts.omitted);
         }

@@ -1,7 +1,7 @@
 //! Lines of commands to a run by hand, and what each changes.
 
 use super::{Outcome, files, told};
-use crate::base::iec;
+use crate::base::{self, iec};
 use crate::ir::chart::{InputId, Machine};
 use crate::ir::scenario::Given;
 use crate::pipeline;
@@ -160,7 +160,7 @@ impl Session<'_> {
     /// Does what was done up to an earlier scan again.
     fn back(&mut self, scans: u64) -> Result<String, String> {
         let Some(target) = self.run.scans().checked_sub(scans) else {
-            return Err(format!("only {} scans have run", self.run.scans()));
+            return Err(format!("{} can be taken back", base::count(self.run.scans(), "scan")));
         };
         let deeds: Vec<(u64, Deed)> = self.deeds.iter().copied().filter(|(at, _)| *at < target).collect();
         self.run = Run::new(self.machine, self.program.clone());

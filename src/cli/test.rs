@@ -4,8 +4,9 @@ use super::args::{Format, Test as Args};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::{Outcome, finish, junit, read, say, tell, usage};
-use crate::base::LineIndex;
+use crate::base::{LineIndex, figure};
 use crate::ir::chart::Machine;
+use crate::parse;
 use crate::pipeline;
 use crate::simulate::record::{Recording, seconds};
 use crate::simulate::run::milliseconds;
@@ -193,7 +194,7 @@ fn failed(machine: &Machine, source: &str, failure: &Failure, recording: &Record
     Failed {
         line,
         column,
-        step: source[failure.span.range()].split_whitespace().collect::<Vec<_>>().join(" "),
+        step: parse::on_one_line(&source[failure.span.range()]),
         text: failure.text.clone(),
         message,
         scan: failure.scan,
@@ -207,7 +208,7 @@ fn line(test: &Test) -> String {
     let word = if test.failure.is_some() { "FAILED" } else { "ok    " };
     let (name, program) = (normalize_untrusted_str(&test.scenario), test.program);
     let time = seconds(test.milliseconds);
-    format!("  {word}  {name} ({program}, {} scans, {time})\n", test.scans)
+    format!("  {word}  {name} ({program}, {}, {time})\n", figure(test.scans, "scan"))
 }
 
 fn summary(tests: &[Test], passed: usize, failed: usize) -> String {

@@ -18,7 +18,7 @@ pub struct Analysis {
     pub machine: String,
     /// The constraints, in the order in which they are written.
     pub constraints: Vec<ConstraintReport>,
-    /// The assumptions, each with what it excludes.
+    /// The assumptions, each with what it excludes, as it is written.
     pub assumptions: Vec<(String, String)>,
     /// What constraints do to each output.
     pub outputs: Vec<OutputReport>,
@@ -44,6 +44,10 @@ pub struct ConstraintReport {
     pub name: String,
     /// Why, in words for the operator.
     pub text: String,
+    /// What must never be, as it is written.
+    pub never: String,
+    /// The actuators and forbidden positions that it is derived from; none if it is written.
+    pub from: Vec<String>,
     /// What must never be, split into products.
     pub products: Vec<ProductReport>,
 }
@@ -137,7 +141,9 @@ impl Analysis {
                 let name = |i: usize| if many { format!("{}.{}", c.name, i + 1) } else { c.name.clone() };
                 let products = c.products.iter().enumerate();
                 let products = products.map(|(i, p)| product(machine, name(i), p, &c.yields)).collect();
-                ConstraintReport { name: c.name.clone(), text: c.text.clone(), products }
+                let (name, text, never) = (c.name.clone(), c.text.clone(), c.written.clone());
+                let from = c.from.iter().map(|(source, _)| source.clone()).collect();
+                ConstraintReport { name, text, never, from, products }
             })
             .collect();
         let all = constraints.iter().flat_map(|c| &c.products);
@@ -152,10 +158,7 @@ impl Analysis {
         let redundant = redundancy::redundant(machine)
             .into_iter()
             .map(|r| Implied { name: name(r.constraint), implied_by: r.implied_by.into_iter().map(name).collect() });
-        let assumed = machine.safety.assumptions.iter().map(|a| {
-            let products: Vec<String> = a.products.iter().map(|p| words::product(machine, p)).collect();
-            (a.name.clone(), products.join(" or "))
-        });
+        let assumed = machine.safety.assumptions.iter().map(|a| (a.name.clone(), a.written.clone()));
         Analysis {
             machine: machine.name.clone(),
             assumptions: assumed.collect(),

@@ -1,7 +1,8 @@
 //! An analysis to text for people, and its graphs to the language of Graphviz.
 
-use super::analysis::{Analysis, Nature, ProductKind, ProductReport};
+use super::analysis::{Analysis, ConstraintReport, Nature, ProductKind, ProductReport};
 use super::graphs::Matrix;
+use crate::base::count;
 use std::fmt::{self, Display, Write};
 
 /// Most columns of a matrix that is printed; larger ones are no use to a reader, and JSON has them.
@@ -32,6 +33,15 @@ impl Display for Analysis {
         }
         for (name, never) in &self.assumptions {
             writeln!(f, "  {name:width$}  assumed       never {never}")?;
+        }
+        // Whoever looks for his own words finds them where products are not these.
+        let whole = |c: &&ConstraintReport| c.products.iter().any(|p| p.never != c.never);
+        let other: Vec<&ConstraintReport> = self.constraints.iter().filter(whole).collect();
+        if !other.is_empty() {
+            writeln!(f, "\nAs they are written, where that differs")?;
+        }
+        for c in other {
+            writeln!(f, "  {:width$}  never {}", c.name, c.never)?;
         }
         writeln!(f, "\nOutputs")?;
         for o in &self.outputs {
@@ -167,13 +177,5 @@ fn nature(nature: Nature) -> &'static str {
         Nature::Static => "static     ",
         Nature::Combinatory => "combinatory",
         Nature::Sequential => "sequential ",
-    }
-}
-
-fn count(n: usize, what: &str) -> String {
-    match n {
-        0 => format!("no {what}s"),
-        1 => format!("1 {what}"),
-        _ => format!("{n} {what}s"),
     }
 }

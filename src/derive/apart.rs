@@ -181,8 +181,8 @@ impl<'a> Pair<'a> {
                 sources: Vec::new(),
             });
             held.ends.extend(end.map(|(other, zones)| (other, zones.to_vec())));
-            if !held.sources.contains(&source.text) {
-                held.sources.push(source.text.clone());
+            if !held.sources.contains(&source) {
+                held.sources.push(source);
             }
         };
         for which in [0, 1] {
@@ -229,7 +229,7 @@ struct Held<'a> {
     /// Other actuators and the zones of theirs in which the order is taken back.
     ends: Vec<(Member<'a>, Vec<usize>)>,
     /// The forbidden positions that need it.
-    sources: Vec<String>,
+    sources: Vec<&'a Name>,
 }
 
 impl Held<'_> {
@@ -249,7 +249,7 @@ impl Held<'_> {
         let parts = [fall(order.output, span), there.not()].into_iter().chain(ends).collect();
         let text = format!("{} until it is there: the valve remembers", order.words());
         let mut d = derived(&actuator.name, format!("Hold_{}", order.output.text), parts, None, text);
-        d.sources.extend(self.sources);
+        d.constraint.from.extend(self.sources.into_iter().cloned());
         Some(d)
     }
 }

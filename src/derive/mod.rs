@@ -15,6 +15,7 @@ mod ends;
 use crate::base::{Code, Diagnostic, Diagnostics, Span, limits};
 use crate::ir::ast::{self, Constraint, Derive, Guard, Name, PathRef, Term, Text};
 use crate::ir::expr::Expr;
+use crate::ir::source;
 
 /// A condition as it is written.
 type Condition = Expr<Term>;
@@ -22,12 +23,18 @@ type Condition = Expr<Term>;
 /// A constraint, and what it follows from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Derived {
-    /// The actuator or the `forbid` that it follows from; for what holds an order, all that need it.
-    pub sources: Vec<String>,
-    /// The constraint. Its places are those of its source.
+    /// The constraint. Its places are those of the actuator or the `forbid` that it follows from; what holds an order
+    /// names all that need it.
     pub constraint: Constraint,
     /// What `derive` without `by edges` leaves out (TRUE) or `by edges` does (FALSE), if one of them does.
     edges: Option<bool>,
+}
+
+impl Derived {
+    /// What it follows from, by name.
+    pub fn sources(&self) -> Vec<String> {
+        self.constraint.from.iter().map(|n| n.text.clone()).collect()
+    }
 }
 
 /// All that can be derived from a tree, by edges or not, and what is wrong with what it is derived from.
@@ -89,7 +96,7 @@ pub fn expand(tree: &mut ast::Machine) -> Diagnostics {
 }
 
 fn means(name: &Name, derived: &Derived) -> bool {
-    derived.sources.contains(&name.text) || derived.constraint.name.text == name.text
+    derived.constraint.from.iter().any(|n| n.text == name.text) || derived.constraint.name.text == name.text
 }
 
 /// What an item asks for; reports names that mean nothing here.
@@ -115,14 +122,15 @@ fn choose<'a>(item: &Derive, all: &'a [Derived], diagnostics: &mut Diagnostics) 
 
 /// A constraint that follows from something; `parts` are what must not be TRUE together.
 fn derived(source: &Name, name: String, parts: Vec<Condition>, yields: Option<&Name>, text: String) -> Derived {
-    let span = source.span;
+    let (span, expr) = (source.span, Expr::all(parts));
+    let written = source::expression(&expr);
     Derived {
-        sources: vec![source.text.clone()],
         constraint: Constraint {
             name: Name { text: shortened(name), span },
-            never: Guard { expr: Expr::all(parts), written: String::new(), span },
+            never: Guard { expr, written, span },
             yields: yields.map(|n| Name { text: n.text.clone(), span }).into_iter().collect(),
             text: Some(Text { value: text, span }),
+            from: vec![source.clone()],
         },
         edges: None,
     }

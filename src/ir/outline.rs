@@ -5,6 +5,7 @@ use super::chart::*;
 use super::expr::CHART;
 use super::scenario::{Alteration, Condition, CountId, Doing, Given, PropertyKind, Step};
 use super::sop::Product;
+use crate::base::figure;
 use std::fmt::{self, Write};
 
 /// Writes the machine as an outline.
@@ -65,7 +66,7 @@ impl Writer<'_> {
         if let Some(mode) = m.safety.mode {
             let relief = match m.safety.relief {
                 Relief::Together => String::new(),
-                Relief::InOrder { sweeps } => format!(", relief in order, {sweeps} sweeps"),
+                Relief::InOrder { sweeps } => format!(", relief in order, {}", figure(sweeps, "sweep")),
             };
             let reset = m.safety.reset.map(|i| format!(", reset by {}", m.inputs[i].name)).unwrap_or_default();
             writeln!(self.out, "filter {mode:?}{relief}{reset}")?;
@@ -171,7 +172,7 @@ impl Writer<'_> {
                 Doing::Set(list) => format!("set {}", values(list)),
                 Doing::Press(list, scans) => {
                     let names: Vec<&str> = list.iter().map(|&g| m.given(g)).collect();
-                    format!("press {} for {scans} scans", names.join(", "))
+                    format!("press {} for {}", names.join(", "), figure(scans, "scan"))
                 }
                 Doing::Force(list) => {
                     format!("force {}", values(&list.iter().map(|&(i, v)| (Given::Input(i), v)).collect::<Vec<_>>()))
@@ -186,11 +187,11 @@ impl Writer<'_> {
                     let when = if told.before_writing { " before writing" } else { "" };
                     format!("happens {}{when}", m.plant.happenings[told.happening].text)
                 }
-                Doing::Wait(scans) => format!("wait {scans} scans"),
-                Doing::Until(c, scans) => format!("until {} within {scans} scans", self.condition(c)),
+                Doing::Wait(scans) => format!("wait {}", figure(scans, "scan")),
+                Doing::Until(c, scans) => format!("until {} within {}", self.condition(c), figure(scans, "scan")),
                 Doing::Expect(c) => format!("expect {}", self.condition(c)),
                 Doing::Watch(c, value) => format!("{} {}", if *value { "always" } else { "never" }, self.condition(c)),
-                Doing::Repeat(times, _) => format!("repeat {times} times"),
+                Doing::Repeat(times, _) => format!("repeat {}", figure(times, "time")),
             };
             writeln!(self.out, "{:1$}{line}", "", depth * 2)?;
             if let Doing::Repeat(_, inner) = &step.doing {

@@ -5,6 +5,7 @@
 use super::ast::*;
 use super::expr::{CHART, Expr};
 use super::number::Number;
+use crate::base::figure;
 use std::fmt::{self, Write};
 
 /// Writes the tree as source text.
@@ -403,8 +404,7 @@ fn time(t: &Time) -> String {
     let value = t.value.unwrap_or(0);
     match (t.unit, value) {
         (TimeUnit::Milliseconds, _) => format!("{value}ms"),
-        (TimeUnit::Scans, 1) => "1 scan".to_owned(),
-        (TimeUnit::Scans, _) => format!("{value} scans"),
+        (TimeUnit::Scans, _) => figure(value, "scan"),
     }
 }
 
@@ -443,7 +443,8 @@ fn condition(guard: &Guard) -> String {
     expression(&guard.expr)
 }
 
-fn expression(expr: &Expr<Term>) -> String {
+/// A condition as the language writes it.
+pub fn expression(expr: &Expr<Term>) -> String {
     let mut out = String::new();
     let path = |p: &PathRef| p.parts.iter().map(|(t, _)| t.as_str()).collect::<Vec<_>>().join(".");
     let written = expr.write(&mut out, &CHART, &mut |term, f| match term {

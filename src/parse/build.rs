@@ -3,6 +3,7 @@
 //! The grammar guarantees the shape of what arrives here; what it does not guarantee (that a number
 //! fits) is turned into a value that a later stage refuses.
 
+use super::scan::on_one_line;
 use super::{Rule, derive, functions, numbers, properties, scenarios, ways};
 use crate::base::Span;
 use crate::ir::ast::*;
@@ -478,6 +479,7 @@ fn constraint(p: Pair<'_, Rule>) -> Constraint {
         never: condition.expect("a constraint has a condition"),
         yields,
         text: reason,
+        from: Vec::new(),
     }
 }
 
@@ -493,12 +495,6 @@ pub fn guard(p: Pair<'_, Rule>) -> Guard {
     let span = span(&p);
     let written = on_one_line(p.as_str());
     Guard { expr: expression(p), written, span }
-}
-
-/// A condition as it is written, without comments and with one space where there are several. No text stands in it.
-pub fn on_one_line(written: &str) -> String {
-    let code = written.lines().map(|line| line.split_once("//").map_or(line, |(code, _)| code));
-    code.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
 
 /// An expression; recursion is bounded by the nesting limit of parentheses.

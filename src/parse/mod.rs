@@ -22,6 +22,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 
 use grammar::{Grammar, Rule};
+pub use scan::on_one_line;
 
 #[allow(missing_docs)] // The grammar file documents its rules.
 mod grammar {

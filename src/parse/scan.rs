@@ -87,3 +87,62 @@ fn text_end(bytes: &[u8], from: usize) -> Option<usize> {
     }
     None
 }
+
+/// Something as it is written, without comments and with one space where there is white space. Texts stay as they are.
+pub fn on_one_line(written: &str) -> String {
+    let mut line = String::with_capacity(written.len());
+    let (mut rest, mut space) = (written, false);
+    while let Some(c) = rest.chars().next() {
+        let length = match c {
+            // A text ends where a quote stands that nothing escapes, and a comment with its line.
+            '"' => text_length(rest),
+            '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            _ => c.len_utf8(),
+        };
+        let (piece, after) = rest.split_at(length);
+        rest = after;
+        if piece.starts_with("//") || c.is_whitespace() {
+            space = true;
+            continue;
+        }
+        if space && !line.is_empty() {
+            line.push(' ');
+        }
+        space = false;
+        line.push_str(piece);
+    }
+    line
+}
+
+/// How many bytes the text takes with which this begins, quotes included.
+fn text_length(text: &str) -> usize {
+    let mut escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' => escaped = true,
+            '"' => return at + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::on_one_line;
+
+    #[test]
+    fn comments_and_lines_go_and_texts_stay() {
+        for (written, line) in [
+            ("A\n  and\tB", "A and B"),
+            ("A // not\n and B // nor this", "A and B"),
+            ("happens \"a  // b \\\" c\"  before writing", "happens \"a  // b \\\" c\" before writing"),
+            ("// nothing", ""),
+            ("A/B", "A/B"),
+            ("\"open // ended", "\"open // ended"),
+        ] {
+            assert_eq!(on_one_line(written), line);
+        }
+    }
+}

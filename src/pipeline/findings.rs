@@ -3,7 +3,7 @@
 //! A sentence says what is so, never what one hopes for; what nobody knows ends in a question mark.
 
 use super::run::Run;
-use super::verify::{Answer, Question, Status, condition};
+use super::verify::{Answer, Question, Status};
 use crate::base::{LineIndex, Span};
 use crate::ir::chart::{ConstraintId, Machine, TransitionId};
 use crate::ir::number::Range;
@@ -70,7 +70,7 @@ impl<'m> Findings<'m> {
             Question::Fires(_) => format!("fires{when}: {}", self.all(question)),
             Question::Together(..) => format!("their order never decides: {}", self.all(question)),
             Question::Beyond(i) => format!("never assigned beyond {}: {}", self.range(i), self.all(question)),
-            Question::Acts(_) => format!("the filter never acts for {}", self.all(question)),
+            Question::Acts(c) => format!("the filter never acts for {}", self.constraint_name(c)),
         }
     }
 
@@ -103,7 +103,7 @@ impl<'m> Findings<'m> {
                 let (range, integer) = (self.range(i), self.all(question));
                 format!("assigned beyond {range}{when}: {integer}; it stops at the bound")
             }
-            Question::Acts(_) => format!("the filter acts for {}{when}", self.all(question)),
+            Question::Acts(c) => format!("the filter acts for {}{when}", self.constraint_name(c)),
         }
     }
 
@@ -141,7 +141,7 @@ impl<'m> Findings<'m> {
             Question::Fires(_) => format!("does it ever fire: {}?", self.all(question)),
             Question::Together(..) => format!("does their order ever decide: {}?", self.all(question)),
             Question::Beyond(i) => format!("is it ever assigned beyond {}: {}?", self.range(i), self.all(question)),
-            Question::Acts(_) => format!("does the filter ever act for {}?", self.all(question)),
+            Question::Acts(c) => format!("does the filter ever act for {}?", self.constraint_name(c)),
         }
     }
 
@@ -204,13 +204,17 @@ impl<'m> Findings<'m> {
 
     /// A constraint by its name and line, and what must never be, as it is written.
     fn constraint(&self, constraint: ConstraintId) -> String {
-        let c = &self.machine.safety.constraints[constraint];
-        format!("{} (line {}): never {}", c.name, self.line(c.span), never(self.machine, constraint))
+        let says = &self.machine.safety.constraints[constraint].written;
+        format!("{}: never {says}", self.constraint_name(constraint))
     }
 
-    /// A constraint by its name and line.
+    /// A constraint by its name and line, with what it is derived from.
     pub fn constraint_name(&self, constraint: ConstraintId) -> String {
-        self.all(Question::Acts(constraint))
+        let c = &self.machine.safety.constraints[constraint];
+        let from: Vec<String> =
+            c.from.iter().map(|(name, span)| format!("{name} in line {}", self.line(*span))).collect();
+        let derived = if from.is_empty() { String::new() } else { format!(", derived from {}", from.join(" and ")) };
+        format!("{} (line {}{derived})", c.name, self.line(c.span))
     }
 
     fn assumptions(&self) -> String {
@@ -254,12 +258,6 @@ pub fn transition(machine: &Machine, id: TransitionId) -> String {
     }
 }
 
-/// What a constraint says must never be, as it is written.
-fn never(machine: &Machine, constraint: ConstraintId) -> String {
-    let c = &machine.safety.constraints[constraint];
-    if c.written.is_empty() { condition(&c.never, &|atom| machine.atom(*atom)) } else { c.written.clone() }
-}
-
 /// What a run shows that answers a question, in words without a time.
 pub(super) fn headline(machine: &Machine, question: Question) -> String {
     let property = |i: usize| format!("{}: {}", machine.properties[i].name, machine.properties[i].says);
@@ -268,7 +266,8 @@ pub(super) fn headline(machine: &Machine, question: Question) -> String {
         Question::Declared(i) => format!("violates {}", property(i)),
         Question::Arises(i) => format!("{} says something", machine.properties[i].name),
         Question::Violated(c) => {
-            format!("violates {}: never {}", machine.safety.constraints[c].name, never(machine, c))
+            let c = &machine.safety.constraints[c];
+            format!("violates {}: never {}", c.name, c.written)
         }
         Question::Assumable => "no inputs keep the assumptions any more".to_owned(),
         Question::Moves => "no transition can fire any more".to_owned(),

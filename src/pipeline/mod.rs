@@ -170,15 +170,11 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
         Verdict::Proved(statistics) => (Judgement::Proved(statistics), diagnostics),
         Verdict::Refuted(trace) => {
             let scans = trace.scans.len();
-            let mut different: Vec<&str> =
-                trace.differences().iter().map(|&i| trace.compared[i].what.as_str()).collect();
-            // Of an integer mostly several bits differ.
-            different.dedup();
-            different.truncate(3);
+            let different = trace.said(3).join(", ");
             diagnostics.push(
                 Diagnostic::new(
                     Code::Different,
-                    format!("the program does not do what the chart says: {} in scan {scans}", different.join(", ")),
+                    format!("in scan {scans} the program does not do what the chart says: {different}"),
                 )
                 .help("the table shows the run that leads there, chart beside program"),
             );
@@ -192,10 +188,17 @@ fn examine(machine: &Machine, project: &Project, xml: &str) -> (Judgement, Diagn
             (Judgement::Undecided, diagnostics)
         }
         Verdict::Unknown(doubt) => {
-            diagnostics.push(
-                Diagnostic::new(Code::Undecided, format!("the program could not be compared with the chart: {doubt}"))
-                    .help("a program that was made by `chartwright build` from this model can be"),
-            );
+            let (message, help) = match *doubt {
+                Doubt::Incomparable(why) => {
+                    let message = format!("the program cannot be compared with the chart: {why}");
+                    (message, "a program that was made by `chartwright build` from this model can be")
+                }
+                open => {
+                    let message = format!("the program has neither been proved nor refuted: {open}");
+                    (message, "a program that was made by `chartwright build` from this model is proved")
+                }
+            };
+            diagnostics.push(Diagnostic::new(Code::Undecided, message).help(help));
             (Judgement::Undecided, diagnostics)
         }
     }

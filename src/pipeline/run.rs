@@ -3,7 +3,7 @@
 use super::findings::headline;
 use super::rungs;
 use super::verify::{Options, Question, quoted};
-use crate::base::Span;
+use crate::base::{Span, figure};
 use crate::ir::chart::{Atom, InputId, Machine, Mark, OutputId};
 use crate::ir::scenario::{BitId, Condition, Doing, Given, Happening, PropertyKind, Scenario, Seen, Step, Told};
 use crate::simulate::frame::{Frame, Layout};
@@ -442,7 +442,7 @@ fn scenario(machine: &Machine, question: Question, options: &Options, doings: &[
             PropertyKind::Reachable => end = format!("  expect {}\n", condition(i)),
             PropertyKind::Eventually => {
                 end = match wait {
-                    Some(scans) => format!("  wait until {} within {scans} scans\n", condition(i)),
+                    Some(n) => format!("  wait until {} within {}\n", condition(i), figure(n, "scan")),
                     None => format!("  expect {}\n", condition(i)),
                 }
             }
@@ -483,8 +483,7 @@ fn write_doing(machine: &Machine, doing: &Doing, out: &mut String) {
             let when = if told.before_writing { " before writing" } else { "" };
             writeln!(out, "  happens {}{when}", quoted(&machine.plant.happenings[told.happening].text))
         }
-        Doing::Wait(1) => writeln!(out, "  wait 1 scan"),
-        Doing::Wait(n) => writeln!(out, "  wait {n} scans"),
+        Doing::Wait(n) => writeln!(out, "  wait {}", figure(n, "scan")),
         other => unreachable!("{other:?} is not among what a run needs"),
     };
 }

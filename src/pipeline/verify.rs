@@ -3,7 +3,6 @@
 use super::{exactly, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
-use crate::ir::expr::{CHART, Expr};
 use crate::ir::scenario::{Acceptance, Accepted};
 use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
 use crate::verify::machine::Subject;
@@ -188,14 +187,6 @@ pub(super) fn behind_any<'m>(machine: &'m Machine, options: &Options) -> Option<
 /// The system of a machine with its times left open, for other tools.
 pub fn system(machine: &Machine, program: Program, open: bool) -> Result<Subject<'_>, Refusal> {
     Subject::new(machine, program, open, Times::Free)
-}
-
-/// A condition in the words of the language, with the names of what it reads.
-pub(super) fn condition<A>(condition: &Expr<A>, name: &dyn Fn(&A) -> String) -> String {
-    let mut out = String::new();
-    let written = condition.write(&mut out, &CHART, &mut |a, f| f.write_str(&name(a)));
-    written.expect("writing to a string succeeds");
-    out
 }
 
 /// A text as the language writes it.

@@ -248,19 +248,26 @@ fn doubt(machine: &Machine, program: &ProgramStep<'_>, failures: &[Failure]) -> 
         Claim::Range(integer) => format!("that {} stays within its range", machine.integers[integer].name),
         Claim::Clock(_) => "that no time has passed in a state just entered".to_owned(),
         Claim::Part(part, latch) => {
-            format!("that {} is {}", program.name(program.latches()[latch]), part.describe(machine))
+            format!("that {} in the program is {}", program.name(program.latches()[latch]), part.describe(machine))
         }
         Claim::Memory(meaning, latch) => {
-            format!("that {} is {}", program.name(program.latches()[latch]), meaning.describe(machine))
+            format!("that {} in the program is {}", program.name(program.latches()[latch]), meaning.describe(machine))
         }
     };
     let first = &failures[0];
     match &first.from {
         Some(from) => Doubt::NotInductive {
-            text: format!("not inductive: {} fails from {}", says(first.claim), describe(machine, from)),
+            text: format!(
+                "it is not so {} after a scan that begins with {}, and nobody knows whether a run comes to that",
+                says(first.claim),
+                describe(machine, from)
+            ),
             failed: failures.len(),
         },
-        None => Doubt::GaveUp { text: format!("the solver gave up on {}", says(first.claim)), failed: failures.len() },
+        None => Doubt::GaveUp {
+            text: format!("the solver gave up before it showed {}", says(first.claim)),
+            failed: failures.len(),
+        },
     }
 }
 

@@ -86,13 +86,48 @@ impl Trace {
     }
 }
 
-/// The row of the number whose lowest bit is the thing compared at `place`, if it is to be shown.
-fn number(place: usize, compared: &Compared, scan: &Scan, before: Option<&Scan>) -> Option<[String; 4]> {
-    let of = |values: &[bool]| match compared.part {
+impl Trace {
+    /// What differs after the last scan, at most so many things, each with what the program has instead of what the
+    /// chart says: `output RUN (on instead of off)`.
+    pub fn said(&self, most: usize) -> Vec<String> {
+        let Some(last) = self.scans.last() else { return Vec::new() };
+        let mut said: Vec<String> = Vec::new();
+        for i in self.differences() {
+            let Compared { part, what, .. } = &self.compared[i];
+            let (chart, program) = match part {
+                // Of a number mostly several bits differ.
+                Part::Bit(_, bit) | Part::Scan(_, bit) => {
+                    let place = i - usize::from(*bit);
+                    (value(*part, place, &last.chart).to_string(), value(*part, place, &last.program).to_string())
+                }
+                _ => (word(last.chart[i]).to_owned(), word(last.program[i]).to_owned()),
+            };
+            let one = format!("{what} ({program} instead of {chart})");
+            if !said.contains(&one) {
+                said.push(one);
+            }
+        }
+        said.truncate(most);
+        said
+    }
+}
+
+fn word(value: bool) -> &'static str {
+    if value { "on" } else { "off" }
+}
+
+/// The number whose lowest bit is the thing compared at `place`.
+fn value(part: Part, place: usize, values: &[bool]) -> i64 {
+    match part {
         // Without a sign.
         Part::Scan(..) => vector::value(values[place..place + usize::from(SCAN_WIDTH)].iter().copied().chain([false])),
         _ => vector::value(values[place..place + usize::from(WIDTH)].iter().copied()),
-    };
+    }
+}
+
+/// The row of the number whose lowest bit is the thing compared at `place`, if it is to be shown.
+fn number(place: usize, compared: &Compared, scan: &Scan, before: Option<&Scan>) -> Option<[String; 4]> {
+    let of = |values: &[bool]| value(compared.part, place, values);
     let (chart, program) = (of(&scan.chart), of(&scan.program));
     let was = before.map_or((0, 0), |b| (of(&b.chart), of(&b.program)));
     let found = match chart == program {
@@ -107,7 +142,6 @@ fn number(place: usize, compared: &Compared, scan: &Scan, before: Option<&Scan>)
 impl fmt::Display for Trace {
     /// A table of what changes from scan to scan. Before the first one everything counts as off.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = |value: bool| if value { "on" } else { "off" };
         let mut rows: Vec<[String; 4]> = vec![["scan", "", "chart", "program"].map(String::from)];
         let mut before: Option<&Scan> = None;
         for (n, scan) in self.scans.iter().enumerate() {

@@ -51,6 +51,7 @@ pub fn resolve(r: &mut Resolver, tree: &ast::Machine) {
                 name: written.name.text.clone(),
                 text: describe(&written.text),
                 never,
+                written: written.never.written.clone(),
                 products,
                 span: written.name.span,
             });
@@ -191,6 +192,7 @@ fn constraint(r: &mut Resolver, written: &ast::Constraint) {
     }
     r.machine.safety.constraints.push(chart::Constraint {
         written: written.never.written.clone(),
+        from: written.from.iter().map(|n| (n.text.clone(), n.span)).collect(),
         name: name.text.clone(),
         text: describe(&written.text),
         never,

@@ -74,6 +74,7 @@ impl Recording {
         if rows.len() > FIRST + LAST + 1 {
             let end = rows.len() - LAST;
             let gap = &rows[FIRST..end];
+            // There are at least two.
             let lines = gap.len();
             let mut scans = gap.iter().map(|row| &row[0]).filter(|scan| !scan.is_empty());
             let text = match (scans.next(), scans.next_back()) {

@@ -4,6 +4,7 @@
 //! cell leaves it as it is. A [`Trace`] begins with `scan`, `ms` and names, and has a row per scan.
 //! BOOL is 0 or 1, TIME is in milliseconds.
 
+use crate::base::figure;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -159,7 +160,7 @@ fn table(text: &str) -> Result<(Vec<&str>, Lines<'_>), String> {
     for (number, line) in lines {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         if cells.len() != header.len() {
-            return Err(format!("line {number} has {} cells, not {}", cells.len(), header.len()));
+            return Err(format!("line {number} has {}, not {}", figure(cells.len(), "cell"), header.len()));
         }
         rest.push((number, cells));
     }

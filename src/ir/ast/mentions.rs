@@ -168,7 +168,7 @@ impl<'t, F: FnMut(&'t str)> Mentions<'_, F> {
         let Safety { mode: _, in_order: _, reset, constraints, assumptions, forbids: _, derives: _, unkept: _ } =
             safety;
         self.names(reset);
-        for Constraint { name: _, never, yields, text: _ } in constraints.iter().chain(assumptions) {
+        for Constraint { name: _, never, yields, text: _, from: _ } in constraints.iter().chain(assumptions) {
             self.guards([never]);
             self.names(yields);
         }

@@ -44,6 +44,8 @@ pub struct Constraint {
     pub yields: Vec<Name>,
     /// Why, in words for the operator.
     pub text: Option<Text>,
+    /// The actuators and forbidden positions that it is derived from; none if it is written.
+    pub from: Vec<Name>,
 }
 
 /// `F1: forbid Horizontal between unless Vertical at Up "…"`.

@@ -91,8 +91,10 @@ pub struct Constraint {
     pub text: String,
     /// What must never be TRUE.
     pub never: Guard,
-    /// The same as it is written; nothing if it is derived.
+    /// The same as it is written, or as `constraints --derive` writes it.
     pub written: String,
+    /// The actuators and forbidden positions that it is derived from, each with its place; none if it is written.
+    pub from: Vec<(String, Span)>,
     /// The same split into products; none contradicts itself.
     pub products: Vec<Product<Atom>>,
     /// Who gives way when a combined product would be TRUE.
@@ -108,8 +110,10 @@ pub struct Assumption {
     pub name: String,
     /// What it says in words.
     pub text: String,
-    /// What is never TRUE, as it is written.
+    /// What is never TRUE.
     pub never: Guard,
+    /// The same as it is written.
+    pub written: String,
     /// The same split into products.
     pub products: Vec<Product<Atom>>,
     /// Where it is declared.

@@ -6,6 +6,7 @@
 use super::super::aig::{Lit, lanes};
 use super::super::system::{Property, System, Trace};
 use super::{Told, plain};
+use crate::base::figure;
 use std::fmt::Display;
 
 /// A run that another tool found.
@@ -124,8 +125,8 @@ fn abc<'t>(
     for (number, line) in lines.skip(1) {
         let row = line.split('#').next().unwrap_or_default().trim();
         if row.len() != plain.system.inputs.len() || row.chars().any(|c| !matches!(c, '0' | '1' | 'x')) {
-            let count = plain.system.inputs.len();
-            return Err(wrong(number, format_args!("these are not the {count} inputs of the system")));
+            let count = figure(plain.system.inputs.len(), "value");
+            return Err(wrong(number, format_args!("each scan has {count}, one for each input of the system")));
         }
         inputs.push(row.chars().map(|c| c == '1').collect());
         if line.ends_with("# DONE") {
@@ -229,6 +230,6 @@ pub fn judge(system: &System, witness: &Witness) -> Result<Trace, String> {
     }
     Err(match property {
         Property::Eventually { .. } => "the run does not come to a fair loop without an answer".to_owned(),
-        _ => format!("in none of its {scans} scans the claim is violated"),
+        _ => format!("the run has {}, and the claim is violated in none", figure(scans, "scan")),
     })
 }

@@ -175,6 +175,18 @@ fn the_scenario_of_a_counterexample_fails_until_the_model_is_mended() {
 }
 
 #[test]
+fn a_scenario_says_how_a_plant_begins_that_goes_its_own_way() {
+    // The arm goes only if there is air to begin with, of which nobody says whether there is.
+    let text = "machine Arm\ncycle 10ms\ninputs { Go Home Away }\noutputs { OUT }\n\
+                actuator Arm monostable { position Near sensor Home position Far output OUT sensor Away }\n\
+                chart C { initial state Rest state Reach { drives OUT } from Rest to Reach when Go }\n\
+                plant { hidden Air  initially { any Air }  Arm travels 100ms when Air }\n\
+                properties {\n  Stays: never Away\n  Dry: never Air\n}\n";
+    let found = ask(text, Times::Exact);
+    assert_eq!(fails(&found, text), [true, true]);
+}
+
+#[test]
 fn a_rule_of_the_plant_takes_the_time_that_it_says() {
     use Status::{Holds, Violated};
     let text = |delay: &str, patience: &str| {

@@ -271,6 +271,8 @@ struct Player<'m> {
     machine: &'m Machine,
     /// Whether it tells what happens in the plant.
     tells: bool,
+    /// Whether the plant goes its own way, so that it matters how it begins.
+    lives: bool,
     /// For each input, who gives it.
     gives: Vec<Gives>,
 }
@@ -307,7 +309,7 @@ impl<'m> Player<'m> {
             (true, true) => Gives::Forced,
             (true, false) => Gives::Plant,
         });
-        Player { machine, tells, gives: gives.collect() }
+        Player { machine, tells, lives: tells || exact, gives: gives.collect() }
     }
 
     /// What to do, so that the program samples in each scan what stands in the frames.
@@ -327,7 +329,7 @@ impl<'m> Player<'m> {
         }
         let mut doings: Vec<Doing> = Vec::new();
         let begin: Vec<(Given, bool)> =
-            unknown.iter().filter(|(_, value)| *value && self.tells).map(|&(bit, _)| (Given::Bit(bit), true)).collect();
+            unknown.iter().filter(|(_, value)| *value && self.lives).map(|&(bit, _)| (Given::Bit(bit), true)).collect();
         if !begin.is_empty() {
             doings.push(Doing::Set(begin));
         }

@@ -91,7 +91,7 @@ fn says(model: &str, arguments: &str) -> (i32, String) {
     let said = stdout(&output);
     let end = said.trim_end().rfind('\n').map_or(0, |i| i + 1);
     let (rest, last) = said.split_at(end);
-    assert!(last.contains(" bits of memory") || last.contains("all others in place"), "{said}");
+    assert!(last.contains(" of memory, ") || last.contains("all others in place"), "{said}");
     (code(&output), rest.to_owned())
 }
 

@@ -167,11 +167,36 @@ fn a_long_way_is_found_and_a_bound_is_met() {
     let report = check(&system, None, &few, Choice::Only(Engine::Exact), &|| false, &mut |_| {});
     assert!(matches!(report.findings[0].verdict, Verdict::Unknown(chartwright::verify::Limit::Nodes)));
     let report = check(&system, None, &few, Choice::Automatic, &|| false, &mut |_| {});
+    // So few states are gone through one by one.
+    assert!(report.findings.iter().all(|f| f.engine == Engine::Exact));
     assert_eq!(report.findings[0].verdict, Verdict::Holds);
-    assert_eq!(report.findings[0].engine, Engine::Proof);
-    assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Nodes)));
+    let Verdict::Violated(trace) = &report.findings[1].verdict else { panic!("it gets there") };
+    assert!(trace.inputs.len() == 255 && trace.shortest);
+    assert!(matches!(report.findings[3].verdict, Verdict::Violated(_)));
     let report = check(&system, None, &few, Choice::Only(Engine::Proof), &|| false, &mut |_| {});
     assert!(matches!(report.findings[3].verdict, Verdict::Unknown(chartwright::verify::Limit::Kind)));
+}
+
+#[test]
+fn what_is_known_when_the_time_is_up_is_kept() {
+    use chartwright::verify::Limit::{Stopped, Unshown};
+    let system = counter(8);
+    let (mut kept, mut half) = (0, 0);
+    for most in (0..2_000).step_by(20) {
+        let asked = std::cell::Cell::new(0);
+        let stop = || {
+            asked.set(asked.get() + 1);
+            asked.get() > most
+        };
+        let report = check(&system, None, &Limits::default(), Choice::Only(Engine::Exact), &stop, &mut |_| {});
+        let [never, run, ..] = &report.findings[..] else { panic!("they are asked") };
+        assert!(matches!(never.verdict, Verdict::Holds | Verdict::Unknown(Stopped)), "{most}: {never:?}");
+        assert!(matches!(run.verdict, Verdict::Violated(_) | Verdict::Unknown(Stopped | Unshown)), "{most}: {run:?}");
+        let unshown = run.verdict == Verdict::Unknown(Unshown);
+        half += usize::from(unshown);
+        kept += usize::from(unshown && never.verdict == Verdict::Holds);
+    }
+    assert!(half > 0 && kept > 0, "{half}, {kept}");
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn compare(seed: u64, small: &Small, program: Program, open: bool, tally: &mut T
                         (Choice::Only(Engine::Proof), property) => {
                             matches!(property, Property::AlwaysPossible(_) | Property::NeverStuck)
                         }
-                        (Choice::Only(Engine::Bounded | Engine::Chance), _) => true,
+                        (Choice::Only(Engine::Bounded | Engine::Chance | Engine::Scenario), _) => true,
                     };
                     assert!(may, "{:?}: {}", finding.verdict, what());
                 }

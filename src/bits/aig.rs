@@ -400,6 +400,22 @@ pub fn lanes(values: &[u64], l: Lit) -> u64 {
     values[l.node()] ^ if l.is_negated() { u64::MAX } else { 0 }
 }
 
+/// Rows to columns, so that bit `i` of word `j` becomes bit `j` of word `i` (Warren, Hacker's Delight, 7-3).
+pub fn transpose(rows: &mut [u64; 64]) {
+    let (mut j, mut mask) = (32, 0x0000_0000_ffff_ffffu64);
+    while j != 0 {
+        let mut k = 0;
+        while k < 64 {
+            let t = ((rows[k] >> j) ^ rows[k | j]) & mask;
+            rows[k] ^= t << j;
+            rows[k | j] ^= t;
+            k = ((k | j) + 1) & !j;
+        }
+        j >>= 1;
+        mask ^= mask << j;
+    }
+}
+
 enum Folded {
     To(Lit),
     Pair(Lit, Lit),

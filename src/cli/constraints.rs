@@ -2,6 +2,7 @@
 
 use super::args::{Constraints as Args, Form, Format};
 use super::report::Report;
+use super::watch::Watch;
 use super::{Outcome, finish, read, tell, usage};
 use crate::constraints::Analysis;
 use crate::derive::Derived;
@@ -37,7 +38,14 @@ pub fn run(args: &Args) -> Outcome {
         return derive(args);
     }
     let mut report = Report::default();
-    let analysis = read(&args.file, &mut report, pipeline::constraints).flatten();
+    let watch = Watch::new("constraints", None, args.format == Form::Text);
+    watch.say("what the constraints allow");
+    let analyse = |source: &str| {
+        let source = source.to_owned();
+        watch.beside(move || pipeline::constraints(&source)).expect("there is no limit")
+    };
+    let analysis = read(&args.file, &mut report, analyse).flatten();
+    drop(watch);
     let (text, format) = match args.format {
         Form::Text => (analysis.as_ref().map(Analysis::to_string), Format::Human),
         Form::Dot => (analysis.as_ref().map(Analysis::dot), Format::Human),

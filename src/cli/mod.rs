@@ -19,6 +19,7 @@ mod stats;
 mod test;
 mod time;
 mod verify;
+mod watch;
 
 use crate::pipeline;
 use args::{Cli, Command, Format};

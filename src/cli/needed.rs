@@ -4,16 +4,17 @@ use super::args::{Format, Verify as Args, VerifyProgram};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
 use super::verify::{JsonPlace, places};
+use super::watch::Watch;
 use super::{Outcome, counterexample, finish, read, say, tell, verify};
+use crate::base::figure;
 use crate::ir::chart::{ConstraintId, Machine};
 use crate::pipeline::findings::Findings;
 use crate::pipeline::needed::{Kept, Loss, Needed, Without, needed};
 use crate::pipeline::verify::{Question, Run};
 use crate::simulate::vcd;
 use serde::Serialize;
-use std::cell::Cell;
 use std::fmt::Write;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The JSON document's part.
 #[derive(Serialize)]
@@ -29,6 +30,8 @@ struct JsonProperty {
     places: Vec<JsonPlace>,
     verdict: &'static str,
     reason: Option<String>,
+    /// What would help, where nobody knows.
+    help: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -46,6 +49,8 @@ struct JsonConstraint {
     /// The code of the error for which the compiler refuses what is left.
     code: Option<String>,
     reason: Option<String>,
+    /// What would help, where nobody knows.
+    help: Option<String>,
     /// Those that imply it together with the assumptions, if that is so.
     implied_by: Option<Vec<String>>,
 }
@@ -53,21 +58,30 @@ struct JsonConstraint {
 /// Runs `chartwright verify --needed`.
 pub fn run(args: &Args) -> Outcome {
     let mut report = Report::default();
-    let begun = Instant::now();
-    let end = begun + Duration::from_secs(args.time);
-    let until = Cell::new(end);
-    let stop = || Instant::now() > until.get();
+    let watch = Watch::new("verify", Some(args.time), args.output.format == Format::Human).listen();
     // Nothing is asked of the constraints before it is known what holds with all of them: that may take half of the
     // time. What one constraint leaves of its share is for those behind it.
     let mut whole = true;
     let mut begin = |parts: usize| {
-        let share = if std::mem::take(&mut whole) { 2 } else { u32::try_from(parts).unwrap_or(u32::MAX) };
-        until.set(Instant::now() + end.saturating_duration_since(Instant::now()) / share.max(1));
+        watch.say(if whole {
+            "what holds with all constraints".to_owned()
+        } else {
+            figure(parts, "constraint") + " to go"
+        });
+        watch.share(if std::mem::take(&mut whole) { 2 } else { parts });
     };
     let options = verify::options(args, VerifyProgram::Any);
-    let found = read(&args.file, &mut report, |source| needed(source, &options, &stop, &mut begin)).flatten();
+    let ask = |source: &str| needed(source, &options, &|| watch.stop(), &mut begin);
+    let found = read(&args.file, &mut report, ask).flatten();
+    let (interrupted, time) = (watch.interrupted(), watch.elapsed());
+    drop(watch);
     let found = match found {
-        Some(Ok(found)) => found,
+        Some(Ok(mut found)) => {
+            if interrupted {
+                found.interrupt();
+            }
+            found
+        }
         refused => {
             let outcome = finish("verify", args.output.format, &report, &Option::<Result>::None);
             let Some(Err(refusal)) = refused else { return outcome };
@@ -84,7 +98,7 @@ pub fn run(args: &Args) -> Outcome {
     let findings = Findings::new(&found.machine, source);
     let mut given = finish("verify", args.output.format, &report, &result(&found, &findings, source));
     if args.output.format == Format::Human {
-        given = given.and(tell(&human(&found, &findings, begun.elapsed())));
+        given = given.and(tell(&human(&found, &findings, time)));
     }
     let settled = found.without.iter().all(|(_, without)| match without {
         Without::Violated(loss) => loss.certain,
@@ -142,6 +156,7 @@ fn result(found: &Needed, findings: &Findings<'_>, source: &str) -> Result {
             Kept::Unknown(_) => "open",
         },
         reason: if let Kept::Unknown(limit) = kept { Some(limit.to_string()) } else { None },
+        help: if let Kept::Unknown(limit) = kept { findings.hint(limit, Question::Declared(i)) } else { None },
     });
     let constraints = found.without.iter().map(|(id, without)| {
         let mut json = JsonConstraint {
@@ -155,6 +170,7 @@ fn result(found: &Needed, findings: &Findings<'_>, source: &str) -> Result {
             scenario: None,
             code: None,
             reason: None,
+            help: None,
             implied_by: None,
         };
         match without {
@@ -179,6 +195,7 @@ fn result(found: &Needed, findings: &Findings<'_>, source: &str) -> Result {
             Without::Unknown(i, limit) => {
                 json.property = Some(findings.property(*i));
                 json.reason = Some(limit.to_string());
+                json.help = findings.hint(*limit, Question::Declared(*i));
             }
             Without::Unverified(refusal) => json.reason = Some(refusal.to_string()),
         }
@@ -201,7 +218,7 @@ fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
                 "violated    {} (with all constraints, so it does not tell what is needed)",
                 findings.property(i)
             ),
-            Kept::Unknown(limit) => writeln!(text, "unknown     {} ({limit})", findings.property(i)),
+            Kept::Unknown(limit) => writeln!(text, "open        {}; is that so? ({limit})", findings.property(i)),
         };
     }
     if found.properties.iter().all(|(_, kept)| *kept == Kept::No) {
@@ -227,6 +244,9 @@ fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
         };
         text.push('\n');
     }
+    for help in helps(found, findings) {
+        let _ = writeln!(text, "help        {help}");
+    }
     let count = |what: &str| found.without.iter().filter(|(_, without)| verdict(without) == what).count();
     let _ = writeln!(
         text,
@@ -238,6 +258,25 @@ fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
         time.subsec_millis()
     );
     text
+}
+
+/// What would help where nobody knows, each thing once.
+fn helps(found: &Needed, findings: &Findings<'_>) -> Vec<String> {
+    let kept = found.properties.iter().filter_map(|&(i, kept)| match kept {
+        Kept::Unknown(limit) => findings.hint(limit, Question::Declared(i)),
+        Kept::Yes | Kept::No => None,
+    });
+    let without = found.without.iter().filter_map(|(_, without)| match without {
+        Without::Unknown(i, limit) => findings.hint(*limit, Question::Declared(*i)),
+        _ => None,
+    });
+    let mut helps = Vec::new();
+    for help in kept.chain(without) {
+        if !helps.contains(&help) {
+            helps.push(help);
+        }
+    }
+    helps
 }
 
 /// What is lost, and where that shows.

@@ -2,13 +2,11 @@
 
 use super::args::{Format, Prove as Args};
 use super::report::{FileReport, Report};
+use super::watch::Watch;
 use super::{Outcome, files, finish, tell};
 use crate::base::{Code, Diagnostic, Diagnostics};
 use crate::pipeline::{self, Judgement};
 use serde::Serialize;
-use std::sync::mpsc;
-use std::thread;
-use std::time::Duration;
 
 /// The verdict, for the JSON document.
 #[derive(Serialize)]
@@ -18,33 +16,17 @@ struct Result {
     trace: Option<String>,
 }
 
-/// The stack of the thread that proves.
-const STACK: usize = 256 << 20;
-
-/// What is found within so many seconds. All of it is bounded, reading included, so it runs beside the clock; the end of the
-/// process ends it.
-fn within(seconds: u64, source: &str, program: &str) -> (Judgement, Diagnostics, Diagnostics) {
-    let (say, hear) = mpsc::channel();
+/// What is found before the time is up, reading included.
+fn within(args: &Args, source: &str, program: &str) -> (Judgement, Diagnostics, Diagnostics) {
+    let watch = Watch::new("prove", Some(args.time), args.output.format == Format::Human);
+    watch.say("one scan of the program is one scan of the chart");
     let (model, text) = (source.to_owned(), program.to_owned());
-    let worker = thread::Builder::new().stack_size(STACK).spawn(move || {
-        // Where nobody listens any more, nobody wants to know.
-        let _ = say.send(pipeline::prove(&model, &text));
-    });
-    match worker.map(|worker| (worker, hear.recv_timeout(Duration::from_secs(seconds)))) {
-        Ok((_, Ok(found))) => found,
-        Ok((_, Err(mpsc::RecvTimeoutError::Timeout))) => {
-            let message = format!("the program has neither been proved nor refuted within {seconds} s");
-            let mut open = Diagnostics::new();
-            open.push(Diagnostic::new(Code::Undecided, message).help("`--time` gives it longer"));
-            (Judgement::Undecided, Diagnostics::new(), open)
-        }
-        Ok((worker, Err(mpsc::RecvTimeoutError::Disconnected))) => match worker.join() {
-            Ok(()) => unreachable!("a worker that ends well says what it has found"),
-            Err(panic) => std::panic::resume_unwind(panic),
-        },
-        // Without a thread there is no clock, and an answer all the same.
-        Err(_) => pipeline::prove(source, program),
-    }
+    watch.beside(move || pipeline::prove(&model, &text)).unwrap_or_else(|| {
+        let message = format!("the program has neither been proved nor refuted within {} s", args.time);
+        let mut open = Diagnostics::new();
+        open.push(Diagnostic::new(Code::Undecided, message).help("`--time` gives it longer"));
+        (Judgement::Undecided, Diagnostics::new(), open)
+    })
 }
 
 /// Runs `chartwright prove`.
@@ -59,7 +41,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let mut result = Result { verdict: "undecided", trace: None };
     if let Ok([source, program]) = <[String; 2]>::try_from(texts) {
-        let (judgement, about_source, about_program) = within(args.time, &source, &program);
+        let (judgement, about_source, about_program) = within(args, &source, &program);
         let file = files::show(&args.file);
         report.files.push(FileReport { file, source, diagnostics: about_source });
         let file = files::show(&args.program);

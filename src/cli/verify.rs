@@ -4,8 +4,9 @@ use super::args::{Deny, Format, TimeModel, Verify as Args, VerifyEngine, VerifyP
 use super::counterexample::{self, Between};
 use super::files::{self, Pending};
 use super::report::{FileReport, Report};
+use super::watch::Watch;
 use super::{Outcome, finish, needed, read, say, tell, usage};
-use crate::base::{Code, LineIndex};
+use crate::base::{Code, LineIndex, figure};
 use crate::ir::chart::Machine;
 use crate::ir::scenario::Acceptance;
 use crate::pipeline::findings::{Findings, Place};
@@ -14,7 +15,7 @@ use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
 use serde::Serialize;
 use std::fmt::Write;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What a node of a diagram takes in memory, in bytes: itself, its place in the tables, and what is
 /// remembered about it.
@@ -46,6 +47,8 @@ struct JsonAnswer {
     /// Whether the machine is wrong if it is violated.
     demand: bool,
     reason: Option<String>,
+    /// What would help, where nobody knows.
+    help: Option<String>,
     /// How many scans the run takes that shows it.
     scans: Option<usize>,
     /// What happens between scans on the way, in order; left out where there is nothing of the kind.
@@ -107,15 +110,16 @@ pub fn run(args: &Args) -> Outcome {
         return needed::run(args);
     }
     let mut report = Report::default();
-    let begun = Instant::now();
-    let most = Duration::from_secs(args.time);
-    let stop = || begun.elapsed() > most;
+    let watch = Watch::new("verify", Some(args.time), args.output.format == Format::Human).listen();
     let options = options(args, VerifyProgram::Chart);
-    let verified =
-        read(&args.file, &mut report, |source| verify::verify(source, &options, &stop, &mut |_| {})).flatten();
-    let Some(verified) = verified else {
+    let ask = |source: &str| verify::verify(source, &options, &|| watch.stop(), &mut |p| watch.follow(p));
+    let verified = read(&args.file, &mut report, ask).flatten();
+    let (interrupted, time) = (watch.interrupted(), watch.elapsed());
+    drop(watch);
+    let Some(mut verified) = verified else {
         return finish("verify", args.output.format, &report, &Option::<Result>::None);
     };
+    let broken_off = interrupted && verified.interrupt();
     let mut written = true;
     for failed in write(args, &verified) {
         report.files.push(failed);
@@ -126,8 +130,8 @@ pub fn run(args: &Args) -> Outcome {
     let mut given = finish("verify", args.output.format, &report, &result(&verified, &findings, source));
     if args.output.format == Format::Human && verified.refusal.is_none() {
         // A step of the plant, and a writing, takes the system on as a scan does.
-        let transition = if verified.machine.plant.by_steps && !args.open { "transitions" } else { "scans" };
-        given = given.and(tell(&human(&verified, &findings, transition, begun.elapsed())));
+        let transition = if verified.machine.plant.by_steps && !args.open { "transition" } else { "scan" };
+        given = given.and(tell(&human(&verified, &findings, transition, time)));
     } else if let (Format::Human, Some(refusal)) = (args.output.format, verified.refusal) {
         say(&format!("error: {refusal}\n"));
     }
@@ -141,7 +145,7 @@ pub fn run(args: &Args) -> Outcome {
     let open = demanded().filter(asked).any(|a| matches!(a.status, Status::Unknown(_)));
     given.and(if violated || stale || !written || verified.refusal.is_some() {
         Outcome::Wrong
-    } else if open {
+    } else if open || broken_off {
         Outcome::Open
     } else {
         Outcome::Fine
@@ -239,6 +243,7 @@ fn engine(engine: Engine) -> &'static str {
         Engine::Bounded => "bounded",
         Engine::Proof => "proof",
         Engine::Chance => "chance",
+        Engine::Scenario => "scenario",
     }
 }
 
@@ -251,6 +256,7 @@ fn result(verified: &Verified, findings: &Findings<'_>, source: &str) -> Result 
         engine: engine(a.engine),
         demand: a.demand,
         reason: if let Status::Unknown(limit) = a.status { Some(limit.to_string()) } else { None },
+        help: findings.help(a),
         scans: a.run.as_ref().map(|r| r.frames.len()),
         between: a.run.as_ref().map(counterexample::between).unwrap_or_default(),
         shortest: a.run.as_ref().map(|r| r.shortest),
@@ -280,15 +286,24 @@ fn last(machine: &Machine, run: &verify::Run) -> Option<String> {
     run.frames.last().map(|frame| tree::show(machine, frame))
 }
 
-/// What is counted, kind by kind: the word of the kind, whether those that hold are counted or the others, and what they are.
-const COUNTED: [(&str, bool, &str); 7] = [
-    ("constraint", true, "constraints are kept"),
-    ("unreachable", true, "states are active in some run"),
-    ("silent", true, "transitions fire in some run"),
-    ("overlap", false, "pairs of transitions are enabled together, so that their order decides"),
-    ("saturates", false, "integers stop at a bound"),
-    ("acts", false, "constraints make the filter act"),
-    ("void", false, "properties say nothing"),
+/// What is counted, kind by kind: the word of the kind, whether those that hold are counted or the others, what they are, and what is said
+/// of one of them and of several.
+const COUNTED: [(&str, bool, &str, [&str; 2]); 7] = [
+    ("constraint", true, "constraint", ["is kept", "are kept"]),
+    ("unreachable", true, "state", ["is active in some run", "are active in some run"]),
+    ("silent", true, "transition", ["fires in some run", "fire in some run"]),
+    (
+        "overlap",
+        false,
+        "pair",
+        [
+            "of transitions is enabled together, so that their order decides",
+            "of transitions are enabled together, so that their order decides",
+        ],
+    ),
+    ("saturates", false, "integer", ["stops at a bound", "stop at a bound"]),
+    ("acts", false, "constraint", ["makes the filter act", "make the filter act"]),
+    ("void", false, "property", ["says nothing", "say nothing"]),
 ];
 
 /// What has become of a finding that is accepted.
@@ -339,7 +354,7 @@ fn acceptances(verified: &Verified, findings: &Findings<'_>) -> String {
 /// How many answers of each kind there are.
 fn counts(verified: &Verified) -> String {
     let mut text = String::new();
-    for (kind, holds, what) in COUNTED {
+    for (kind, holds, thing, [one, several]) in COUNTED {
         let asked: Vec<&Answer> = verified.answers.iter().filter(|a| a.question.word() == kind).collect();
         let wanted = if holds { Status::Holds } else { Status::Violated };
         let count = asked.iter().filter(|a| a.status == wanted).count();
@@ -347,15 +362,27 @@ fn counts(verified: &Verified) -> String {
         if asked.is_empty() || !holds && count + unknown == 0 {
             continue;
         }
+        let (all, says) = (figure(asked.len(), thing), if count == 1 { one } else { several });
         let _ = match unknown {
-            0 => writeln!(text, "{count} of {} {what}", asked.len()),
-            _ => writeln!(text, "at least {count} of {} {what}; of {unknown} nobody knows", asked.len()),
+            0 => writeln!(text, "{count} of {all} {says}"),
+            _ => writeln!(text, "at least {count} of {all} {says}; of {unknown} nobody knows"),
         };
     }
     text
 }
 
-fn human(verified: &Verified, findings: &Findings<'_>, transitions: &str, time: Duration) -> String {
+/// What would help where nobody knows, each thing once.
+fn helps(verified: &Verified, findings: &Findings<'_>) -> String {
+    let mut said = Vec::new();
+    for help in verified.answers.iter().filter_map(|a| findings.help(a)) {
+        if !said.contains(&help) {
+            said.push(help);
+        }
+    }
+    said.iter().fold(String::new(), |text, help| text + &format!("help      {help}\n"))
+}
+
+fn human(verified: &Verified, findings: &Findings<'_>, transition: &str, time: Duration) -> String {
     let machine = &verified.machine;
     let mut text = String::new();
     for a in &verified.answers {
@@ -368,6 +395,7 @@ fn human(verified: &Verified, findings: &Findings<'_>, transitions: &str, time: 
             }
         }
     }
+    text += &helps(verified, findings);
     text += &counts(verified);
     text += &acceptances(verified, findings);
     for a in verified.answers.iter().filter(|a| is_counterexample(a)) {
@@ -376,19 +404,23 @@ fn human(verified: &Verified, findings: &Findings<'_>, transitions: &str, time: 
             let _ = write!(text, "\n{}", counterexample::human(machine, &findings.sentence(a), run));
         }
     }
+    let open = verified.answers.iter().any(|a| matches!(a.status, Status::Unknown(_)));
     let _ = match (&verified.situations, verified.scans) {
         (Some(situations), Some(scans)) => {
-            writeln!(text, "\n{situations} situations, all within {scans} {transitions}")
+            let noun = if situations == "1" { "situation" } else { "situations" };
+            let within = if scans == 0 {
+                "from the beginning on".to_owned()
+            } else {
+                format!("all within {}", figure(scans, transition))
+            };
+            writeln!(text, "\n{situations} {noun}, {within}")
         }
-        _ => writeln!(text, "\nnot all situations were explored"),
+        _ if open => writeln!(text, "\nnot all situations were explored"),
+        _ => writeln!(text, "\nall of that was found without counting the situations"),
     };
-    let _ = writeln!(
-        text,
-        "{} bits of memory, {} bits that come in; {}.{:03} s",
-        verified.latches,
-        verified.inputs,
-        time.as_secs(),
-        time.subsec_millis()
-    );
+    let (memory, inputs) = (figure(verified.latches, "bit"), figure(verified.inputs, "bit"));
+    let come = if verified.inputs == 1 { "comes" } else { "come" };
+    let (seconds, thousandths) = (time.as_secs(), time.subsec_millis());
+    let _ = writeln!(text, "{memory} of memory, {inputs} that {come} in; {seconds}.{thousandths:03} s");
     text
 }

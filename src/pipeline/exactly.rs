@@ -14,13 +14,17 @@ use crate::verify::follow::{Found as Shown, follow};
 use crate::verify::limits::Stop;
 use crate::verify::machine::Subject;
 use crate::verify::machine::clocks::{Clock, Counted, Times};
+use crate::verify::parts;
 use crate::verify::possible;
 use crate::verify::symbolic;
 use crate::verify::system::{Latch, Property, Trace};
 use crate::verify::wander::{self, Around};
 use crate::verify::{Limit, Limits, Verdict};
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// Transitions of a run that is played in no time.
+const SHORT: usize = 50;
 
 /// A verdict, with the run that shows it.
 pub type Found = (Finding, Option<Run>);
@@ -40,10 +44,12 @@ const PLANS: u64 = 5_000;
 /// What part of the operations one exploration gets before others are tried.
 const STEPS: u64 = 16;
 
-/// Question by question what is true with exact times, if that makes a difference. `findings` is what is with open ones.
+/// Question by question what is true with exact times, if that makes a difference. `findings` is what is with open ones, `witness` what a
+/// scenario shows of the question of that index.
 pub fn judge(
     open: &Subject<'_>,
     findings: &[Finding],
+    witness: &dyn Fn(usize) -> Option<Found>,
     options: &Options,
     stop: Stop<'_>,
     progress: &mut dyn FnMut(Progress),
@@ -59,6 +65,10 @@ pub fn judge(
     let found = vec![None; findings.len()];
     let mut search = Search { open, findings, options, stop, found, runs: Vec::new() };
     search.keep(&exact);
+    for (i, found) in search.found.iter_mut().enumerate().filter(|(_, found)| found.is_none()) {
+        *found = witness(i);
+    }
+    search.parts(&exact, progress);
     search.find();
     search.explore();
     search.plan();
@@ -123,6 +133,29 @@ impl<'m> Search<'_, 'm> {
             if let Some(verdict) = certain {
                 self.note(exact, i, i, Finding { verdict, engine: *engine });
             }
+        }
+    }
+
+    /// Goes through the states of small parts by the clock: what depends on one timer is soon known.
+    fn parts(&mut self, exact: &Subject<'_>, progress: &mut dyn FnMut(Progress)) {
+        if self.options.choice != Choice::Automatic {
+            return;
+        }
+        let wanted: Vec<bool> = self.found.iter().map(Option::is_none).collect();
+        let open = wanted.iter().filter(|w| **w).count();
+        let mut told = |_| progress(Progress { engine: Engine::Exact, claim: None, scans: 0, open });
+        let verdicts = parts::explore(&exact.system, &wanted, &self.options.limits, self.stop, &mut told);
+        for (claim, verdict) in verdicts.into_iter().enumerate() {
+            let verdict = match verdict {
+                Some(Ok(())) => Verdict::Holds,
+                // Elsewhere something may have to come in for it to be a run.
+                Some(Err(run)) if exact.system.shows(&run, exact.system.claims[claim].property) => {
+                    Verdict::Violated(run)
+                }
+                Some(Err(_)) | None => continue,
+            };
+            let finding = Finding { verdict, engine: Engine::Exact };
+            self.found[claim] = Some(shown(exact, exact.questions[claim], finding, self.options, self.stop));
         }
     }
 
@@ -353,6 +386,11 @@ const STATES: usize = 1_000;
 /// A finding with its run. What the simulator does not repeat shows nothing where times are exact.
 pub fn shown(subject: &Subject<'_>, question: Question, finding: Finding, options: &Options, stop: Stop<'_>) -> Found {
     let Verdict::Violated(trace) = &finding.verdict else { return (finding, None) };
+    // What is wrong is worth the work when the time is up. What is long and shows no more than that something can be is not.
+    let wrong = options.demands(question) && !question.hopes_for_a_run(subject.machine);
+    if !wrong && trace.inputs.len() > SHORT && stop() {
+        return (Finding { verdict: Verdict::Unknown(Limit::Unshown), engine: finding.engine }, None);
+    }
     let run = show(subject, question, trace, options, stop);
     if subject.clocks.exact() && run.replayed == Some(false) {
         let verdict = Verdict::Unknown(Limit::Replay);
@@ -364,8 +402,12 @@ pub fn shown(subject: &Subject<'_>, question: Question, finding: Finding, option
 /// A run with open times as one with exact ones: the same inputs come in, and what may happen happens.
 fn as_it_is(open: &Subject<'_>, exact: &Subject<'_>, trace: &Trace) -> Option<Trace> {
     let name = |leaf| exact.system.name(leaf);
-    let input = |leaf| open.system.inputs.iter().position(|i| open.system.name(i.leaf) == name(leaf));
-    let latch = |leaf| open.system.latches.iter().position(|l| open.system.name(l.leaf) == name(leaf));
+    let there = |leaf| open.system.name(leaf);
+    let inputs: HashMap<&str, usize> = open.system.inputs.iter().enumerate().map(|(i, l)| (there(l.leaf), i)).collect();
+    let latches: HashMap<&str, usize> =
+        open.system.latches.iter().enumerate().map(|(i, l)| (there(l.leaf), i)).collect();
+    let input = |leaf| inputs.get(name(leaf)).copied();
+    let latch = |leaf| latches.get(name(leaf)).copied();
     let from: Vec<Option<usize>> = exact.system.inputs.iter().map(|i| input(i.leaf)).collect();
     let begins = |l: &Latch| l.initial.unwrap_or_else(|| latch(l.leaf).is_some_and(|i| trace.initial[i]));
     let initial = exact.system.latches.iter().map(begins);

@@ -8,6 +8,10 @@ use crate::base::{LineIndex, Span};
 use crate::ir::chart::{ConstraintId, Machine, TransitionId};
 use crate::ir::number::Range;
 use crate::ir::scenario::{Acceptance, PropertyKind};
+use crate::verify::Limit;
+
+/// Values of an integer that are worth a word where they are gone through.
+const WIDE: u64 = 256;
 
 /// Something of a model of which an answer speaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,6 +149,47 @@ impl<'m> Findings<'m> {
         }
     }
 
+    /// What would help where nobody knows.
+    pub fn help(&self, answer: &Answer) -> Option<String> {
+        match answer.status {
+            Status::Unknown(limit) => self.hint(limit, answer.question),
+            Status::Holds | Status::Violated => None,
+        }
+    }
+
+    /// What would help to an answer that is missing because of that.
+    pub fn hint(&self, limit: Limit, question: Question) -> Option<String> {
+        let mut hints = vec![match limit {
+            Limit::Stopped | Limit::Unshown => "where the time was up: `--time` gives more of it",
+            Limit::Interrupted => "what was interrupted goes on for `--time` if it is let",
+            Limit::Nodes => "where memory is short: `--memory` allows more of it",
+            Limit::Steps => "where there are too many situations: `--engine exact` goes on until the time is up",
+            Limit::Scans => "where nothing was found in the first scans: `--scans` looks further ahead",
+            Limit::Conflicts | Limit::Plans => {
+                "where no proof was found: `--engine exact` goes through all situations, with more `--time` and `--memory`"
+            }
+            Limit::Kind => "where another engine would tell: `--engine auto` takes each where it is best",
+            // Who reads the reason is asked for something else.
+            Limit::Replay | Limit::Certificate => return None,
+        }
+        .to_owned()];
+        if question.hopes_for_a_run(self.machine) {
+            hints.push("a scenario that comes there shows that it can".to_owned());
+        }
+        let wide = self.machine.integers.ids().filter(|&i| values(self.machine.integers[i].range) >= WIDE);
+        let wide: Vec<String> = wide.map(|i| self.all(Question::Beyond(i))).collect();
+        match &wide[..] {
+            [] => {}
+            [one] => hints.push(format!("{one} has a wide range, and a smaller one is gone through sooner")),
+            [first, .., last] => {
+                hints.push(format!(
+                    "integers from {first} to {last} have wide ranges, and smaller ones are gone through sooner"
+                ));
+            }
+        }
+        Some(hints.join("; "))
+    }
+
     /// The things of which a question speaks.
     pub fn places(&self, question: Question) -> Vec<Place> {
         let machine = self.machine;
@@ -229,6 +274,11 @@ impl<'m> Findings<'m> {
         let Range { lowest, highest } = self.machine.integers[integer].range;
         format!("{lowest}..{highest}")
     }
+}
+
+/// How many values there are.
+fn values(Range { lowest, highest }: Range) -> u64 {
+    highest.abs_diff(lowest) + 1
 }
 
 /// When a run shows something.

@@ -12,6 +12,7 @@ mod shortest;
 pub mod show;
 pub mod verify;
 pub mod without;
+mod witnesses;
 
 use crate::base::{Code, Diagnostic, Diagnostics, LineIndex, Severity};
 use crate::constraints::Analysis;

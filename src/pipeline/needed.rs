@@ -12,7 +12,7 @@ use crate::constraints::redundancy;
 use crate::ir::chart::{ConstraintId, Machine};
 use crate::verify::aig::{Lit, lanes};
 use crate::verify::bounded::Bounded;
-use crate::verify::engine::{self, Coarser};
+use crate::verify::engine::{self, Coarser, Known};
 use crate::verify::limits::Stop;
 use crate::verify::machine::Subject;
 use crate::verify::machine::clocks::Times;
@@ -67,6 +67,21 @@ pub enum Without {
     Unverified(Refusal),
 }
 
+impl Needed {
+    /// Says of what nobody has had the time for that somebody broke it off.
+    pub fn interrupt(&mut self) {
+        let kept = self.properties.iter_mut().filter_map(|(_, kept)| match kept {
+            Kept::Unknown(limit) => Some(limit),
+            Kept::Yes | Kept::No => None,
+        });
+        let without = self.without.iter_mut().filter_map(|(_, without)| match without {
+            Without::Unknown(_, limit) => Some(limit),
+            _ => None,
+        });
+        kept.chain(without).filter(|limit| **limit == Limit::Stopped).for_each(|limit| *limit = Limit::Interrupted);
+    }
+}
+
 /// A property that is lost without a constraint.
 #[derive(Clone, Debug)]
 pub struct Loss {
@@ -109,15 +124,25 @@ pub fn needed(
     let mut without: Vec<Option<Without>> = Vec::new();
     for (i, &id) in ids.iter().enumerate() {
         begin(ids.len() - i);
+        if stop() {
+            without.push(None);
+            continue;
+        }
         without.push(compare(&machine, &properties, source, &left(id), Effort::Glance, stop));
     }
-    let redundant = redundancy::redundant(&machine);
     let mut open = without.iter().filter(|w| w.is_none()).count();
+    begin(open.max(1));
+    let redundant = if stop() { Vec::new() } else { redundancy::redundant(&machine) };
+    // What is asked of a constraint for which there is no time.
+    let first = properties.iter().find(|(_, kept)| *kept != Kept::No).map(|&(property, _)| property);
     let mut found = Vec::new();
     for (id, known) in ids.into_iter().zip(without) {
         let mut answer = known.unwrap_or_else(|| {
             begin(open);
             open -= 1;
+            if let (true, Some(first)) = (stop(), first) {
+                return Without::Unknown(first, Limit::Stopped);
+            }
             let all = compare(&machine, &properties, source, &left(id), Effort::All, stop);
             all.expect("with all effort there is an answer")
         });
@@ -175,7 +200,8 @@ pub fn properties(machine: &Machine, options: &Options, stop: Stop<'_>) -> Resul
         let system = claiming(system, claims);
         let any = any.as_ref().map(|any| coarser(any, groups));
         let coarser = any.as_ref().map(|(system, claims)| Coarser { system, claims: claims.clone() });
-        engine::check(&system, coarser.as_ref(), &options.limits, options.choice, stop, &mut |_| {}).findings
+        let known = Known { coarser, shown: Vec::new() };
+        engine::check(&system, Some(&known), &options.limits(), options.choice, stop, &mut |_| {}).findings
     };
     // All that never must be is proved as one mostly, and at less cost than each for itself.
     let is_bad = |&(i, claim): &(usize, Property)| match claim {
@@ -344,8 +370,9 @@ impl Search<'_, '_> {
         let here = |group: &Vec<usize>| group.iter().map(|&i| self.asked[i].here).collect();
         let any = self.any.map(|any| coarser(any, &groups.iter().map(here).collect::<Vec<_>>()));
         let coarser = any.as_ref().map(|(system, claims)| Coarser { system, claims: claims.clone() });
+        let known = Known { coarser, shown: Vec::new() };
         let Options { limits, choice, .. } = self.options;
-        let report = engine::check(system, coarser.as_ref(), limits, *choice, self.stop, &mut |_| {});
+        let report = engine::check(system, Some(&known), limits, *choice, self.stop, &mut |_| {});
         report.findings.into_iter().map(|f| f.verdict).collect()
     }
 

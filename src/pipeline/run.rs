@@ -17,6 +17,9 @@ use crate::verify::system::{Giver, Trace};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+/// Scans of a run that somebody may look through even if it shows no more than that something can be.
+const LOOKED_THROUGH: usize = 200;
+
 /// A run from power-up.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -88,10 +91,11 @@ enum Kind {
 
 /// A run of the system as people see it, played once more by the simulator.
 pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, options: &Options, stop: Stop<'_>) -> Run {
-    // What people look at is worth the time to make it calm.
+    // What people look at is worth the time to make it calm: of what one hopes for they see that it comes.
     let claim = subject.questions.iter().position(|q| *q == question).expect("it was asked");
     let property = subject.system.claims[claim].property;
-    let calm = options.demands(question).then(|| subject.system.calm(trace, property, stop));
+    let seen = !question.hopes_for_a_run(subject.machine) || trace.inputs.len() < LOOKED_THROUGH;
+    let calm = (seen && options.demands(question)).then(|| subject.system.calm(trace, property, stop));
     // Scan by scan, as it is in the simulator.
     let trace = &subject.stretched(calm.as_ref().unwrap_or(trace), property);
     let begin = subject.system.repeats(trace, property);
@@ -119,7 +123,8 @@ pub(super) fn show(subject: &Subject<'_>, question: Question, trace: &Trace, opt
     let scenario = scenario(machine, question, options, &doings, still.then(|| scans.max(100)));
     let replayed = (options.program == Program::Chart).then(|| player.repeats(&doings, &moments));
     frames.truncate(scans);
-    let outputs = if replayed == Some(true) { outputs(machine, question) } else { Vec::new() };
+    let wrong = !question.hopes_for_a_run(machine);
+    let outputs = if replayed == Some(true) && wrong { outputs(machine, question) } else { Vec::new() };
     let rungs = if outputs.is_empty() { None } else { rungs::show(machine, &frames, &outputs) };
     let between = between(subject, &moments[..end], &hidden);
     Run { frames, between, shortest: trace.shortest, repeats: repeats.map(|scan| scan + 1), scenario, replayed, rungs }

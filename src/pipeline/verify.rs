@@ -1,10 +1,11 @@
 //! A machine to answers about all its runs, each with the run that shows it.
 
+use super::witnesses::Witnesses;
 use super::{exactly, without};
 use crate::base::Diagnostics;
 use crate::ir::chart::Machine;
 use crate::ir::scenario::{Acceptance, Accepted};
-use crate::verify::engine::{self, Choice, Coarser, Engine, Progress};
+use crate::verify::engine::{self, Choice, Coarser, Engine, Known, Progress};
 use crate::verify::machine::Subject;
 use crate::verify::{Limit, Limits, Verdict};
 
@@ -46,7 +47,16 @@ impl Default for Options {
     }
 }
 
+/// Conflicts for a first proof of all that is asked behind any program.
+const AT_FIRST: u64 = 2_000;
+
 impl Options {
+    /// What the engines may spend. What holds behind any program does so because of the filter mostly, and is soon proved.
+    pub(super) fn limits(&self) -> Limits {
+        let at_first = if self.program == Program::Any { AT_FIRST.min(self.limits.conflicts) } else { 0 };
+        Limits { at_first, ..self.limits }
+    }
+
     /// Whether the machine is wrong if the answer is no.
     pub fn demands(&self, question: Question) -> bool {
         question.kind().is_none_or(|kind| self.deny.contains(&kind))
@@ -70,6 +80,20 @@ pub struct Verified {
     pub situations: Option<String>,
     /// After how many transitions there was no new one: scans, and with a plant by steps what happens between them.
     pub scans: Option<usize>,
+}
+
+impl Verified {
+    /// Says of what nobody has had the time for that somebody broke it off. Whether there is anything of the kind.
+    pub fn interrupt(&mut self) -> bool {
+        let mut some = false;
+        for answer in &mut self.answers {
+            if answer.status == Status::Unknown(Limit::Stopped) {
+                answer.status = Status::Unknown(Limit::Interrupted);
+                some = true;
+            }
+        }
+        some
+    }
 }
 
 /// The answer to one question.
@@ -122,11 +146,20 @@ pub fn verify(
         let claims = subject.questions.iter().map(there).collect();
         Coarser { system: &any.system, claims }
     });
-    let report = engine::check(&subject.system, coarser.as_ref(), &options.limits, options.choice, stop, progress);
-    let exact = exactly::judge(&subject, &report.findings, options, stop, progress);
+    let witnesses = Witnesses::play(&verified.machine, &subject.questions, options, stop, progress);
+    let witness = |question: usize| witnesses.as_ref().and_then(|w| w.answer(question, options, stop));
+    let known = Known { coarser, shown: witnesses.as_ref().map(Witnesses::shown).unwrap_or_default() };
+    let limits = options.limits();
+    let report = engine::check(&subject.system, Some(&known), &limits, options.choice, stop, progress);
+    let exact = exactly::judge(&subject, &report.findings, &witness, options, stop, progress);
     let found = exact.unwrap_or_else(|| {
-        let questions = subject.questions.iter().zip(report.findings);
-        questions.map(|(&question, finding)| exactly::shown(&subject, question, finding, options, stop)).collect()
+        let questions = subject.questions.iter().zip(report.findings).enumerate();
+        let found = questions.map(|(i, (&question, finding))| {
+            let open = matches!(finding.verdict, Verdict::Unknown(_));
+            let witness = if open { witness(i) } else { None };
+            witness.unwrap_or_else(|| exactly::shown(&subject, question, finding, options, stop))
+        });
+        found.collect()
     });
     let mut answers = Vec::new();
     for (&question, (finding, run)) in subject.questions.iter().zip(found) {

@@ -4,13 +4,15 @@
 //! leaves open is looked for in the first scans, then proved claim by claim. A run is replayed on the
 //! system, and an invariant checked by another solver, before either is believed.
 
+mod proofs;
+
 use super::aig::Lit;
 use super::bounded::Bounded;
-use super::certificate;
 use super::count::Count;
 use super::limits::{Limit, Limits, Stop};
 use super::liveness;
-use super::pdr::{self, Cube, Proof};
+use super::parts;
+use super::pdr::Cube;
 use super::possible;
 use super::symbolic;
 use super::system::{Claim, Property, System, Trace};
@@ -47,6 +49,8 @@ pub enum Engine {
     Proof,
     /// Runs by chance.
     Chance,
+    /// What a model's scenarios do. Whoever knows them plays them.
+    Scenario,
 }
 
 /// Which engines may be used.
@@ -79,6 +83,8 @@ pub struct Progress {
     pub claim: Option<usize>,
     /// How many scans deep.
     pub scans: usize,
+    /// How many claims are open.
+    pub open: usize,
 }
 
 /// Conflicts for a first attempt to prove a claim.
@@ -111,6 +117,16 @@ const FIRST: u64 = 16;
 /// How many times the operations are allowed where there are several kinds of scans.
 const PATIENCE: u64 = 20;
 
+/// What is known of a system before it is asked.
+#[derive(Default)]
+pub struct Known<'s> {
+    /// A system that does all that this one does, and more. What never is there is not asked again.
+    pub coarser: Option<Coarser<'s>>,
+    /// For each claim, whether a run is at hand that shows that it does not hold. A shorter one is worth a first look, and no more;
+    /// nothing if there is none.
+    pub shown: Vec<bool>,
+}
+
 /// A system that does all that another one does, and more.
 pub struct Coarser<'s> {
     /// The system.
@@ -119,15 +135,17 @@ pub struct Coarser<'s> {
     pub claims: Vec<Option<usize>>,
 }
 
-/// Answers all claims as far as the limits allow. What holds of a `coarser` system is not asked again.
+/// Answers all claims as far as the limits allow.
 pub fn check(
     system: &System,
-    coarser: Option<&Coarser<'_>>,
+    known: Option<&Known<'_>>,
     limits: &Limits,
     choice: Choice,
     stop: Stop<'_>,
     progress: &mut dyn FnMut(Progress),
 ) -> Report {
+    let none = Known::default();
+    let given = known.unwrap_or(&none);
     let mut check = Check {
         system,
         limits,
@@ -135,80 +153,39 @@ pub fn check(
         progress,
         found: vec![None; system.claims.len()],
         gave_up: vec![None; system.claims.len()],
+        unshown: vec![false; system.claims.len()],
+        aside: vec![false; system.claims.len()],
         known: Vec::new(),
+        states: None,
+        scans: None,
+        exact: Limit::Kind,
     };
-    let mut report = Report { findings: Vec::new(), states: None, scans: None };
-    let alone = choice == Choice::Only(Engine::Exact);
-    let mut limit = Limit::Kind;
-    let mut exact = limit;
-    let mut explore = |check: &mut Check<'_, '_, '_>, steps: u64| {
-        let explored = check.explore(steps);
-        report.states = explored.0;
-        report.scans = report.states.is_some().then_some(explored.1);
-        explored.2.unwrap_or(Limit::Kind)
-    };
-    match choice {
-        Choice::Automatic => {
-            // What is easily found needs no proof, and what is easily proved no search.
-            exact = explore(&mut check, limits.steps / FIRST);
-            let open = check.count();
-            let states = if open > 0 { check.wander() } else { Vec::new() };
-            // Where chance finds little, the system is one that has to be searched through, if it can be.
-            let late = check.count() < open / 2;
-            check.prove(GLANCE.min(limits.conflicts));
-            if system.alternatives.is_empty() && check.count() > FEW {
-                check.prove_together(limits.conflicts);
-            }
-            let more = limits.steps.saturating_mul(if system.alternatives.is_empty() { 1 } else { PATIENCE });
-            if !late && check.count() > 0 && exact == Limit::Steps {
-                exact = explore(&mut check, more);
-            }
-            if check.count() > 0 {
-                check.plan(&states, possible::SHORT, (5 * GLANCE).min(limits.conflicts));
-                check.ask(coarser);
-                check.prove_together((30 * GLANCE).min(limits.conflicts));
-                if late {
-                    check.look_ahead(limits.scans, AHEAD);
-                }
-                check.prove((30 * GLANCE).min(limits.conflicts));
-            }
-            if late && check.count() > 0 && exact == Limit::Steps {
-                exact = explore(&mut check, more);
-            }
-            if check.count() > 0 {
-                check.look_ahead(limits.scans, u64::MAX);
-                check.prove(limits.conflicts);
-                check.plan(&states, possible::LONG, limits.conflicts);
-                limit = Limit::Scans;
-            }
-        }
+    let limit = match choice {
+        Choice::Automatic => check.automatic(given),
         Choice::Only(Engine::Exact) => {
-            exact = explore(&mut check, u64::MAX);
-            limit = exact;
+            check.explore(u64::MAX);
+            check.exact
         }
         Choice::Only(Engine::Bounded) => {
             check.look_ahead(limits.scans, u64::MAX);
-            limit = Limit::Scans;
+            Limit::Scans
         }
         Choice::Only(Engine::Proof) => {
             check.prove(limits.conflicts);
             check.plan(&[], possible::SHORT, (5 * GLANCE).min(limits.conflicts));
             check.plan(&[], possible::LONG, limits.conflicts);
+            Limit::Kind
         }
-        Choice::Only(Engine::Chance) => drop(check.wander()),
-    }
+        Choice::Only(Engine::Chance) => {
+            check.wander();
+            Limit::Kind
+        }
+        // Whoever has scenarios has played them.
+        Choice::Only(Engine::Scenario) => Limit::Kind,
+    };
+    check.aside.fill(false);
     check.await_answers(choice);
-    for ((claim, found), gave_up) in system.claims.iter().zip(check.found).zip(check.gave_up) {
-        let open = || {
-            let never = matches!(claim.property, Property::Never(_)) || alone;
-            let kind = if never { gave_up.unwrap_or(limit) } else { exact };
-            let limit = if stop() { Limit::Stopped } else { kind };
-            let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
-            Finding { verdict: Verdict::Unknown(limit), engine }
-        };
-        report.findings.push(found.unwrap_or_else(open));
-    }
-    report
+    check.report(choice, limit)
 }
 
 struct Check<'s, 'a, 'p> {
@@ -219,11 +196,100 @@ struct Check<'s, 'a, 'p> {
     found: Vec<Option<Finding>>,
     /// Why the last proof of a claim was given up.
     gave_up: Vec<Option<Limit>>,
+    /// Whether it is known that a claim does not hold, though no run is at hand.
+    unshown: Vec<bool>,
+    /// Whether a claim is not asked any more, although nothing has been found.
+    aside: Vec<bool>,
     /// Cubes in which no reachable state is, as proofs have shown. The next proof may use them.
     known: Vec<Cube>,
+    /// How many states there are, and after how many scans there was no new one.
+    states: Option<Count>,
+    scans: Option<usize>,
+    /// Why the exact engine did not come to an end.
+    exact: Limit,
 }
 
 impl Check<'_, '_, '_> {
+    /// Each engine where it is best. Returns why it gave up in the end.
+    fn automatic(&mut self, given: &Known<'_>) -> Limit {
+        let (system, limits) = (self.system, self.limits);
+        if limits.at_first > 0 {
+            self.prove_at_first(limits.at_first);
+            self.plan(&[], possible::SHORT, limits.at_first);
+        }
+        // What is easily found needs no proof, and what is easily proved no search.
+        if self.count() > 0 {
+            self.explore(limits.steps / FIRST);
+        }
+        if self.count() > 0 {
+            self.explore_parts();
+        }
+        if !given.shown.is_empty() {
+            self.aside.clone_from(&given.shown);
+        }
+        let open = self.count();
+        let states = if open > 0 { self.wander() } else { Vec::new() };
+        // Where chance finds little, the system is one that has to be searched through, if it can be.
+        let late = self.count() < open / 2;
+        self.prove(GLANCE.min(limits.conflicts));
+        if system.alternatives.is_empty() && self.count() > FEW {
+            self.prove_together(limits.conflicts);
+        }
+        let more = limits.steps.saturating_mul(if system.alternatives.is_empty() { 1 } else { PATIENCE });
+        if !late && self.count() > 0 && self.exact == Limit::Steps {
+            self.explore(more);
+        }
+        if self.count() > 0 {
+            self.plan(&states, possible::SHORT, (5 * GLANCE).min(limits.conflicts));
+            self.ask(given.coarser.as_ref());
+            self.prove_together((30 * GLANCE).min(limits.conflicts));
+            if late {
+                self.look_ahead(limits.scans, AHEAD);
+            }
+            self.prove((30 * GLANCE).min(limits.conflicts));
+        }
+        if late && self.count() > 0 && self.exact == Limit::Steps {
+            self.explore(more);
+        }
+        if self.count() == 0 {
+            return Limit::Kind;
+        }
+        self.look_ahead(limits.scans, u64::MAX);
+        self.prove(limits.conflicts);
+        self.plan(&states, possible::LONG, limits.conflicts);
+        Limit::Scans
+    }
+
+    /// What has been found out, and why the rest has not: because of `limit` where nothing better is known.
+    fn report(self, choice: Choice, limit: Limit) -> Report {
+        let alone = choice == Choice::Only(Engine::Exact);
+        let stopped = (self.stop)();
+        let mut findings = Vec::new();
+        for (i, (claim, found)) in self.system.claims.iter().zip(self.found).enumerate() {
+            let never = matches!(claim.property, Property::Never(_)) || alone;
+            let limit = match (stopped, self.unshown[i]) {
+                (true, true) => Limit::Unshown,
+                (true, false) => Limit::Stopped,
+                (false, _) if never => self.gave_up[i].unwrap_or(limit),
+                (false, _) => self.exact,
+            };
+            let engine = if let Choice::Only(engine) = choice { engine } else { Engine::Exact };
+            findings.push(found.unwrap_or(Finding { verdict: Verdict::Unknown(limit), engine }));
+        }
+        Report { findings, states: self.states, scans: self.scans }
+    }
+
+    /// Says where it is.
+    fn tell(&mut self, engine: Engine, claim: Option<usize>, scans: usize) {
+        let open = self.open_count();
+        (self.progress)(Progress { engine, claim, scans, open });
+    }
+
+    /// Whether a claim is still to be asked.
+    fn is_open(&self, claim: usize) -> bool {
+        self.found[claim].is_none() && !self.aside[claim]
+    }
+
     fn settle(&mut self, claim: usize, engine: Engine, verdict: Result<(), Trace>) {
         let verdict = match verdict {
             Ok(()) => Verdict::Holds,
@@ -242,20 +308,52 @@ impl Check<'_, '_, '_> {
     /// The claims of the form never that are open, each with its literal.
     fn open(&self) -> Vec<(usize, Lit)> {
         let claims = self.system.claims.iter().map(|c: &Claim| c.property).enumerate();
-        let open = claims.filter(|&(i, _)| self.found[i].is_none());
+        let open = claims.filter(|&(i, _)| self.is_open(i));
         open.filter_map(|(i, p)| Some((i, p.never()?))).collect()
     }
 
-    fn explore(&mut self, steps: u64) -> (Option<Count>, usize, Option<Limit>) {
+    /// Asks the exact engine what is open, as far as so many operations go.
+    fn explore(&mut self, steps: u64) {
+        let count = self.open_count();
         let progress = &mut *self.progress;
-        let mut told = |scans: usize| progress(Progress { engine: Engine::Exact, claim: None, scans });
+        let mut told = |scans| progress(Progress { engine: Engine::Exact, claim: None, scans, open: count });
         let explored = symbolic::explore(self.system, &Limits { steps, ..*self.limits }, self.stop, &mut told);
         for (claim, verdict) in explored.verdicts.into_iter().enumerate() {
             if let Some(verdict) = verdict {
                 self.settle(claim, Engine::Exact, verdict);
             }
         }
-        (explored.states, explored.scans, explored.limit)
+        for (unshown, more) in self.unshown.iter_mut().zip(explored.unshown) {
+            *unshown |= more;
+        }
+        self.states = explored.states;
+        self.scans = self.states.is_some().then_some(explored.scans);
+        self.exact = explored.limit.unwrap_or(Limit::Kind);
+    }
+
+    /// Visits the states of small parts, for what is open.
+    fn explore_parts(&mut self) {
+        let wanted: Vec<bool> = (0..self.found.len()).map(|i| self.is_open(i)).collect();
+        let open = self.open_count();
+        let progress = &mut *self.progress;
+        let mut told = |_| progress(Progress { engine: Engine::Exact, claim: None, scans: 0, open });
+        let verdicts = parts::explore(self.system, &wanted, self.limits, self.stop, &mut told);
+        for (claim, verdict) in verdicts.into_iter().enumerate() {
+            match verdict {
+                Some(Ok(())) => self.settle(claim, Engine::Exact, Ok(())),
+                // Elsewhere something else may have to come in than nothing; then nobody knows yet.
+                Some(Err(trace)) if self.system.shows(&trace, self.system.claims[claim].property) => {
+                    let verdict = Verdict::Violated(trace);
+                    self.found[claim] = Some(Finding { verdict, engine: Engine::Exact });
+                }
+                Some(Err(_)) | None => {}
+            }
+        }
+    }
+
+    /// How many claims nobody has answered.
+    fn open_count(&self) -> usize {
+        self.found.iter().filter(|f| f.is_none()).count()
     }
 
     /// Asks a coarser system about what is open.
@@ -263,13 +361,14 @@ impl Check<'_, '_, '_> {
         let Some(Coarser { system, claims }) = coarser else { return };
         let open = self.open().into_iter().filter_map(|(claim, _)| Some((claim, claims[claim]?)));
         let (open, there): (Vec<usize>, Vec<usize>) = open.unzip();
-        if open.is_empty() {
+        if open.is_empty() || (self.stop)() {
             return;
         }
         let claims = there.iter().map(|&i| system.claims[i].clone()).collect();
         let system = System { claims, ..(*system).clone() };
+        let count = self.open_count();
         let progress = &mut *self.progress;
-        let mut told = |scans: usize| progress(Progress { engine: Engine::Exact, claim: None, scans });
+        let mut told = |scans| progress(Progress { engine: Engine::Exact, claim: None, scans, open: count });
         let limits = Limits { steps: self.limits.steps.saturating_mul(PATIENCE), ..*self.limits };
         let explored = symbolic::explore(&system, &limits, self.stop, &mut told);
         for (claim, verdict) in open.into_iter().zip(explored.verdicts) {
@@ -283,7 +382,8 @@ impl Check<'_, '_, '_> {
     fn await_answers(&mut self, choice: Choice) {
         for (claim, Claim { property, .. }) in self.system.claims.iter().enumerate() {
             let Property::Eventually { after, then } = *property else { continue };
-            let mut told = |engine, scans| (self.progress)(Progress { engine, claim: Some(claim), scans });
+            let open = self.open_count();
+            let mut told = |engine, scans| (self.progress)(Progress { engine, claim: Some(claim), scans, open });
             let found = liveness::answer(self.system, after, then, self.limits, choice, self.stop, &mut told);
             match found {
                 Ok((engine, verdict)) => self.settle(claim, engine, verdict),
@@ -297,13 +397,14 @@ impl Check<'_, '_, '_> {
 
     /// How many claims are open, those aside that say what comes eventually.
     fn count(&self) -> usize {
-        let claims = self.system.claims.iter().zip(&self.found);
-        claims.filter(|(c, f)| f.is_none() && !matches!(c.property, Property::Eventually { .. })).count()
+        let claims = self.system.claims.iter().enumerate();
+        claims.filter(|(i, c)| self.is_open(*i) && !matches!(c.property, Property::Eventually { .. })).count()
     }
 
     /// Looks at runs by chance. Returns some states that are reachable.
     fn wander(&mut self) -> Vec<Vec<bool>> {
-        let wanted: Vec<bool> = self.found.iter().map(Option::is_none).collect();
+        self.tell(Engine::Chance, None, 0);
+        let wanted: Vec<bool> = (0..self.found.len()).map(|i| self.is_open(i)).collect();
         let walk = wander::wander(self.system, &wanted, GATES, self.stop);
         for (claim, run) in walk.runs.into_iter().enumerate() {
             if let Some(run) = run {
@@ -323,11 +424,15 @@ impl Check<'_, '_, '_> {
                 Property::NeverStuck => Lit::TRUE,
                 Property::Never(_) | Property::Eventually { .. } => continue,
             };
-            if self.found[claim].is_some() {
+            if !self.is_open(claim) {
                 continue;
             }
+            if (self.stop)() {
+                return;
+            }
+            let open = self.open_count();
             let progress = &mut *self.progress;
-            let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
+            let mut told = |scans| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans, open });
             match possible::prove(self.system, goal, states, &self.known, &limits, self.stop, &mut told) {
                 Ok(()) => self.settle(claim, Engine::Proof, Ok(())),
                 Err(limit) => self.gave_up[claim] = Some(limit),
@@ -346,7 +451,7 @@ impl Check<'_, '_, '_> {
             if (self.stop)() || conflicts == 0 || self.open().is_empty() {
                 return;
             }
-            (self.progress)(Progress { engine: Engine::Bounded, claim: None, scans: scan });
+            self.tell(Engine::Bounded, None, scan);
             bounded.scan();
             for (i, &(claim, _)) in open.iter().enumerate() {
                 if self.found[claim].is_some() {
@@ -365,100 +470,5 @@ impl Check<'_, '_, '_> {
                 }
             }
         }
-    }
-
-    /// Tries to prove that nothing of what is open ever is, all at once: what one proof finds out serves the others. What turns out to
-    /// be goes aside, and the rest is tried again.
-    fn prove_together(&mut self, conflicts: u64) {
-        let mut limits = Limits { conflicts, ..*self.limits };
-        for _ in 0..ASIDE {
-            let open = self.open();
-            if open.len() < 2 {
-                return;
-            }
-            let mut joint = self.system.clone();
-            let bads: Vec<Lit> = open.iter().map(|&(_, bad)| bad).collect();
-            let bad = joint.aig.any(&bads);
-            let progress = &mut *self.progress;
-            let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: None, scans });
-            match pdr::prove(&joint, bad, &self.known, &limits, self.stop, &mut told) {
-                Ok(Proof::Never(cubes)) if certificate::holds(&joint, bad, &self.known, &cubes) => {
-                    open.iter().for_each(|&(claim, _)| self.settle(claim, Engine::Proof, Ok(())));
-                    self.learn(cubes);
-                    return;
-                }
-                Ok(Proof::Run(trace)) => {
-                    let shown = |&&(_, bad): &&(usize, Lit)| self.system.shows(&trace, Property::Never(bad));
-                    let shown: Vec<(usize, Lit)> = open.iter().filter(shown).copied().collect();
-                    if shown.is_empty() {
-                        return;
-                    }
-                    for (claim, bad) in shown {
-                        let trace = self.shorter(bad, trace.clone());
-                        self.settle(claim, Engine::Proof, Err(trace));
-                    }
-                }
-                Ok(Proof::Never(_)) | Err(_) => return,
-            }
-            limits.conflicts /= 2;
-        }
-    }
-
-    /// Tries to prove or refute what is open, with so many conflicts for each claim.
-    fn prove(&mut self, conflicts: u64) {
-        for (claim, bad) in self.open() {
-            let limits = Limits { conflicts, ..*self.limits };
-            let progress = &mut *self.progress;
-            let mut told = |scans: usize| progress(Progress { engine: Engine::Proof, claim: Some(claim), scans });
-            match pdr::prove(self.system, bad, &self.known, &limits, self.stop, &mut told) {
-                Ok(Proof::Never(cubes)) => {
-                    if certificate::holds(self.system, bad, &self.known, &cubes) {
-                        self.settle(claim, Engine::Proof, Ok(()));
-                        self.learn(cubes);
-                    } else {
-                        let verdict = Verdict::Unknown(Limit::Certificate);
-                        self.found[claim] = Some(Finding { verdict, engine: Engine::Proof });
-                    }
-                }
-                Ok(Proof::Run(trace)) => {
-                    let trace = self.shorter(bad, trace);
-                    self.settle(claim, Engine::Proof, Err(trace));
-                }
-                Err(limit) => self.gave_up[claim] = Some(limit),
-            }
-        }
-    }
-
-    /// Keeps cubes that a proof has excluded, short ones.
-    fn learn(&mut self, cubes: Vec<Cube>) {
-        for cube in cubes {
-            if self.known.len() < KNOWN && !self.known.iter().any(|known| pdr::is_part(known, &cube)) {
-                self.known.retain(|known| !pdr::is_part(&cube, known));
-                self.known.push(cube);
-            }
-        }
-    }
-
-    /// A shortest run that shows the same, if the solver finds one.
-    fn shorter(&mut self, bad: Lit, trace: Trace) -> Trace {
-        let mut bounded = Bounded::new(self.system, &[bad], self.stop);
-        let mut sure = true;
-        let mut left = AHEAD;
-        for scan in 1..trace.inputs.len() {
-            if scan > SHORTER || left == 0 || (self.stop)() {
-                return Trace { shortest: false, ..trace };
-            }
-            bounded.scan();
-            let most = QUESTION.min(left);
-            let mut question = most;
-            let found = bounded.find(0, &mut question);
-            left -= most - question;
-            match found {
-                Ok(None) => {}
-                Ok(Some(shorter)) => return Trace { shortest: sure, ..shorter },
-                Err(_) => sure = false,
-            }
-        }
-        Trace { shortest: sure, ..trace }
     }
 }

@@ -16,11 +16,14 @@ pub struct Limits {
     pub scans: usize,
     /// Conflicts of the SAT solver for one claim and engine.
     pub conflicts: u64,
+    /// Conflicts for a proof of all claims together, before anything else is tried; without any there is none. Where little is
+    /// remembered and much comes in, it is soon found.
+    pub at_first: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { nodes: 4_000_000, steps: 8_000_000, scans: 100, conflicts: 200_000 }
+        Limits { nodes: 4_000_000, steps: 8_000_000, scans: 100, conflicts: 200_000, at_first: 0 }
     }
 }
 
@@ -39,6 +42,10 @@ pub enum Limit {
     Plans,
     /// It was told to stop.
     Stopped,
+    /// It was told to stop by a person, before the time was up.
+    Interrupted,
+    /// It was told to stop when it knew that there is a run, and had not found it again.
+    Unshown,
     /// No engine that was left answers such a question.
     Kind,
     /// A run was found that the system does not do: a fault of the engine.
@@ -56,6 +63,8 @@ impl fmt::Display for Limit {
             Limit::Conflicts => "the solver gave up",
             Limit::Plans => "no few ways were found that always lead there",
             Limit::Stopped => "the time was up",
+            Limit::Interrupted => "interrupted",
+            Limit::Unshown => "there is a run, but the time was up before it could be shown",
             Limit::Kind => "only the exact set of reachable states would tell",
             Limit::Replay => "a run was found that cannot be replayed; please report this",
             Limit::Certificate => "a proof was found that cannot be checked; please report this",

@@ -6,6 +6,7 @@
 //! | [`replay`] | what a run does |
 //! | [`engine`] | which engine answers what |
 //! | [`symbolic`] | all reachable states, with [`bdd`], [`order`] and [`relation`] |
+//! | [`parts`] | the states of a small part, one by one |
 //! | [`bounded`] | shortest runs, by a [`solver`] |
 //! | [`path`] | runs through known states |
 //! | [`wander`] | runs by chance |
@@ -30,6 +31,7 @@ pub mod limits;
 pub mod liveness;
 pub mod machine;
 pub mod order;
+pub mod parts;
 pub mod path;
 pub mod pdr;
 pub mod possible;
@@ -41,6 +43,6 @@ pub mod system;
 pub mod wander;
 
 pub use crate::bits::{aig, sat};
-pub use engine::{Choice, Coarser, Engine, Finding, Progress, Report, Verdict, check};
+pub use engine::{Choice, Coarser, Engine, Finding, Known, Progress, Report, Verdict, check};
 pub use limits::{Limit, Limits};
 pub use system::{Claim, Fairness, Giver, Input, Latch, Property, System, Trace};

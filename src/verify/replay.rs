@@ -3,7 +3,7 @@
 //! A run may be long, so no more is kept of it than is asked for, and the work is linear in its scans. What takes longer is given
 //! so much and no more.
 
-use super::aig::{Lit, lanes};
+use super::aig::{Lit, Node, lanes};
 use super::limits::Stop;
 use super::system::{Latch, Property, System, Trace};
 
@@ -13,7 +13,53 @@ const CALM: u64 = 1_000_000_000;
 /// Replays that may be spent on calming a run, however long it is.
 const TRIES: u64 = 4;
 
+/// What has to be looked at of a run for what some literals say of it.
+struct Course {
+    latches: Vec<usize>,
+    /// The nodes that matter, in order.
+    nodes: Vec<usize>,
+}
+
 impl System {
+    /// What matters to some literals, and to whether a run is one.
+    fn course(&self, literals: &[Lit]) -> Course {
+        let roots: Vec<Lit> = self.constraints.iter().chain(literals).copied().collect();
+        let (latches, _) = self.cone(&roots);
+        let nexts = latches.iter().map(|&l| self.latches[l].next);
+        let nodes = self.aig.cone(&roots.iter().copied().chain(nexts).collect::<Vec<_>>());
+        Course { latches, nodes }
+    }
+
+    /// Whether it is a run that shows the literal in its last scan, and how the latches of the course are in the end.
+    fn runs(&self, trace: &Trace, course: &Course, shown: Lit) -> Option<(bool, Vec<bool>)> {
+        let begins = |(l, &value): (&Latch, &bool)| l.initial.is_none_or(|i| i == value);
+        if trace.initial.len() != self.latches.len() || !self.latches.iter().zip(&trace.initial).all(begins) {
+            return None;
+        }
+        let word = |value: bool| if value { u64::MAX } else { 0 };
+        let mut values = vec![0; self.aig.len()];
+        let mut state: Vec<bool> = course.latches.iter().map(|&l| trace.initial[l]).collect();
+        let mut last = false;
+        for inputs in &trace.inputs {
+            for (&l, &value) in course.latches.iter().zip(&state) {
+                values[self.latches[l].leaf.node()] = word(value);
+            }
+            self.inputs.iter().zip(inputs).for_each(|(i, &value)| values[i.leaf.node()] = word(value));
+            for &n in &course.nodes {
+                if let Node::And(a, b) = self.aig.node(n) {
+                    values[n] = lanes(&values, a) & lanes(&values, b);
+                }
+            }
+            let is = |l: Lit| lanes(&values, l) & 1 == 1;
+            if !self.constraints.iter().all(|&c| is(c)) {
+                return None;
+            }
+            last = is(shown);
+            state.iter_mut().zip(&course.latches).for_each(|(bit, &l)| *bit = is(self.latches[l].next));
+        }
+        Some((last, state))
+    }
+
     /// Lets a run happen; `each` sees the words of [`Aig::simulate`](super::aig::Aig::simulate) in each scan, with its values in lane 0.
     /// Returns the latches when the last scan has ended, or else the scan, counted from 1, that breaks a constraint: 0 if the run begins
     /// with a wrong value.
@@ -43,12 +89,11 @@ impl System {
     /// Whether the run is one and, for what never must be, its last scan shows it; for what comes eventually, it
     /// ends in a loop that shows that it does not.
     pub fn shows(&self, trace: &Trace, property: Property) -> bool {
-        let mut last = false;
         match property {
-            Property::Never(bad) => {
-                self.replay(trace, &mut |values| last = lanes(values, bad) & 1 == 1).is_ok() && last
+            Property::Never(bad) => self.runs(trace, &self.course(&[bad]), bad).is_some_and(|(last, _)| last),
+            Property::AlwaysPossible(_) | Property::NeverStuck => {
+                self.runs(trace, &self.course(&[]), Lit::TRUE).is_some()
             }
-            Property::AlwaysPossible(_) | Property::NeverStuck => self.replay(trace, &mut |_| {}).is_ok(),
             Property::Eventually { .. } => self.repeats(trace, property).is_some(),
         }
     }
@@ -86,22 +131,19 @@ impl System {
     /// the scan before where the run still shows the same. A calm run is easier to read. What this may cost is bounded.
     pub fn calm(&self, trace: &Trace, property: Property, stop: Stop<'_>) -> Trace {
         let mut calm = trace.clone();
-        // What cannot come any more, cannot come from the end of the run on: it has to end there, as far as that matters.
-        let roots: Vec<Lit> = self.constraints.iter().copied().chain(property.literals()).collect();
-        let (matter, _) = self.cone(&roots);
-        let end = |run: &Trace| -> Option<Vec<bool>> {
-            let last = self.replay(run, &mut |_| {}).ok()?;
-            Some(matter.iter().map(|&l| last[l]).collect())
-        };
+        let literals = property.literals();
+        let course = self.course(&literals);
+        // What cannot come any more, cannot come from the end of the run on: it has to end there.
         let ends = match property {
-            Property::AlwaysPossible(_) | Property::NeverStuck => end(trace),
+            Property::AlwaysPossible(_) | Property::NeverStuck => self.runs(trace, &course, Lit::TRUE),
             Property::Never(_) | Property::Eventually { .. } => None,
         };
-        let shows = |calm: &Trace| match &ends {
-            Some(ends) => end(calm).as_ref() == Some(ends),
-            None => self.shows(calm, property),
+        let shows = |calm: &Trace| match property {
+            Property::Never(bad) => self.runs(calm, &course, bad).is_some_and(|(last, _)| last),
+            Property::AlwaysPossible(_) | Property::NeverStuck => self.runs(calm, &course, Lit::TRUE) == ends,
+            Property::Eventually { .. } => self.shows(calm, property),
         };
-        let replay = trace.inputs.len() as u64 * self.aig.len() as u64;
+        let replay = trace.inputs.len() as u64 * course.nodes.len() as u64;
         let mut left = CALM.max(TRIES.saturating_mul(replay));
         // Whole inputs first, then shorter and shorter stretches.
         let mut stretch = calm.inputs.len();

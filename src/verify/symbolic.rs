@@ -15,6 +15,8 @@ use super::system::{Claim, Property, System, Trace};
 pub struct Explored {
     /// For each claim, whether it holds; nothing where that is not known.
     pub verdicts: Vec<Option<Result<(), Trace>>>,
+    /// For each claim, whether it is known that some run shows that it does not hold, though that run was not found again.
+    pub unshown: Vec<bool>,
     /// How many states are reachable, over those latches that the claims depend on; if all were found.
     pub states: Option<Count>,
     /// After how many scans no new state was found, or how far the search came.
@@ -26,7 +28,8 @@ pub struct Explored {
 /// Explores all that can be reached, for all claims together. `progress` is told after how many scans it is.
 pub fn explore(system: &System, limits: &Limits, stop: Stop<'_>, progress: &mut dyn FnMut(usize)) -> Explored {
     let claims = &system.claims;
-    let mut explored = Explored { verdicts: vec![None; claims.len()], states: None, scans: 0, limit: None };
+    let (verdicts, unshown) = (vec![None; claims.len()], vec![false; claims.len()]);
+    let mut explored = Explored { verdicts, unshown, states: None, scans: 0, limit: None };
     let asked: Vec<Lit> = claims.iter().filter_map(|c| literal(c.property)).collect();
     let outcome = Relation::new(system, &asked, limits, stop).and_then(|relation| {
         let search = Search {
@@ -75,12 +78,15 @@ impl Search<'_, '_> {
         self.reached = fresh;
         self.from = fresh;
         while fresh != Edge::FALSE {
+            if (self.stop)() {
+                return Err(Limit::Stopped);
+            }
             self.rings.push(fresh);
             explored.scans = self.rings.len() - 1;
             progress(explored.scans);
             // Of many rings together a claim is asked at once: which of them shows it is found out only if one does.
             if self.rings.len() >= self.looked + (self.looked / 4).max(1) {
-                self.look(explored)?;
+                self.look(explored, false)?;
             }
             self.make_room();
             let keep = self.keep();
@@ -89,20 +95,19 @@ impl Search<'_, '_> {
             self.from = self.relation.bdd.restrict(fresh, !self.reached)?;
             self.reached = self.relation.bdd.or(self.reached, fresh)?;
         }
-        self.look(explored)?;
+        self.look(explored, true)?;
         explored.states = Some(self.relation.bdd.count(self.reached, &self.relation.now));
         for (i, claim) in self.claims.iter().enumerate() {
-            if explored.verdicts[i].is_some() || matches!(claim.property, Property::Eventually { .. }) {
-                continue;
-            }
-            explored.verdicts[i] = Some(Ok(()));
             if matches!(claim.property, Property::AlwaysPossible(_)) {
-                explored.verdicts[i] = None;
                 let goal = self.index(i);
                 let keep = self.keep();
                 let goal = self.relation.possible(goal, self.reached, &keep)?;
                 let lost = self.lost(goal)?;
-                explored.verdicts[i] = Some(if lost == Edge::FALSE { Ok(()) } else { Err(self.lead(lost, None)?) });
+                if lost == Edge::FALSE {
+                    explored.verdicts[i] = Some(Ok(()));
+                } else {
+                    self.show(i, lost, None, explored);
+                }
             }
         }
         Ok(())
@@ -124,36 +129,53 @@ impl Search<'_, '_> {
         self.claims[..claim].iter().filter(|c| literal(c.property).is_some()).count()
     }
 
-    /// Looks at those rings at which nobody has looked yet.
-    fn look(&mut self, explored: &mut Explored) -> Result<(), Limit> {
+    /// Looks at those rings at which nobody has looked yet. What shows in none of them when they are the `last` holds. Runs are found when
+    /// it is known what shows: so whatever keeps one from being found loses nothing else.
+    fn look(&mut self, explored: &mut Explored, last: bool) -> Result<(), Limit> {
         self.unseen = Edge::FALSE;
         for ring in std::mem::replace(&mut self.looked, self.rings.len())..self.rings.len() {
             self.unseen = self.relation.bdd.or(self.unseen, self.rings[ring])?;
         }
+        let mut shows = Vec::new();
         for (i, claim) in self.claims.iter().enumerate() {
-            if explored.verdicts[i].is_some() {
+            if explored.verdicts[i].is_some() || explored.unshown[i] {
                 continue;
             }
             let keep = self.keep();
-            let (found, bad) = match claim.property {
-                Property::Never(bad) => {
-                    let asked = self.index(i);
-                    if !self.relation.is_possible(asked, self.unseen, &keep)? {
-                        continue;
-                    }
-                    (self.relation.possible(asked, self.unseen, &keep)?, Some(bad))
-                }
+            let is_possible = match claim.property {
+                Property::Never(_) => self.relation.is_possible(self.index(i), self.unseen, &keep)?,
                 Property::NeverStuck => {
                     let alive = self.relation.possible(self.relation.anything(), self.unseen, &keep)?;
-                    (self.relation.bdd.and(self.unseen, !alive)?, None)
+                    self.relation.bdd.and(self.unseen, !alive)? != Edge::FALSE
                 }
                 Property::AlwaysPossible(_) | Property::Eventually { .. } => continue,
             };
-            if found != Edge::FALSE {
-                explored.verdicts[i] = Some(Err(self.lead(found, bad)?));
+            match (is_possible, last) {
+                (true, _) => shows.push(i),
+                (false, true) => explored.verdicts[i] = Some(Ok(())),
+                (false, false) => {}
             }
         }
+        shows.iter().for_each(|&i| explored.unshown[i] = true);
+        for i in shows {
+            let keep = self.keep();
+            let (found, bad) = match self.claims[i].property {
+                Property::Never(bad) => (self.relation.possible(self.index(i), self.unseen, &keep)?, Some(bad)),
+                _ => {
+                    let alive = self.relation.possible(self.relation.anything(), self.unseen, &keep)?;
+                    (self.relation.bdd.and(self.unseen, !alive)?, None)
+                }
+            };
+            self.show(i, found, bad, explored);
+        }
         Ok(())
+    }
+
+    /// Leads to one of the states, in which something shows that speaks against a claim.
+    fn show(&mut self, claim: usize, states: Edge, bad: Option<Lit>, explored: &mut Explored) {
+        let found = self.lead(states, bad);
+        explored.unshown[claim] = found.is_err();
+        explored.verdicts[claim] = found.ok().map(Err);
     }
 
     /// The reachable states from which `goal` cannot be reached.

@@ -30,6 +30,8 @@ pub struct System {
     pub alternatives: Vec<Alternative>,
     /// What, beside claims, tells apart states from which to go on by chance.
     pub notable: Vec<Lit>,
+    /// Numbers that are remembered, as they are after a scan, lowest bit first and the sign last. Far ways lead along them.
+    pub numbers: Vec<Vec<Lit>>,
 }
 
 /// One of the kinds of scans that there are.

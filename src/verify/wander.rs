@@ -2,9 +2,10 @@
 //!
 //! A run that does something new is remembered, and others go on from there, seldom visited ones first; so the walk gets
 //! deep where blind chance would not. What counts as new is which claims show together that speak of what is remembered, such as
-//! active states. The same seed always: the same walk.
+//! active states. Half of the runs climb: they go on from where a number is as large or as small as it has ever been, so that
+//! a counter comes to its end although each of its values looks like the one before. The same seed always: the same walk.
 
-use super::aig::{Lit, Node};
+use super::aig::{Lit, Node, transpose};
 use super::limits::Stop;
 use super::system::{Giver, System, Trace};
 use std::collections::{HashMap, HashSet};
@@ -64,6 +65,8 @@ impl<'s> Around<'s> {
         let all = vec![true; bads.len()];
         let mut walker = Walker::new(system, bads, &all);
         walker.attempts = FEW_ATTEMPTS;
+        // It does not go far.
+        walker.records.clear();
         Around { walker, next: 0 }
     }
 
@@ -120,13 +123,18 @@ struct Walker<'s> {
     /// The lanes in which a time may be longer than what has been chosen of it.
     waits: u64,
     chance: u64,
+    /// For each number, and for all of them together, the places where it is largest and smallest so far, with what it is there.
+    records: Vec<[Option<(i64, usize)>; 2]>,
+    /// Which record to go on from next.
+    turn: usize,
 }
 
 impl<'s> Walker<'s> {
     fn new(system: &'s System, bads: Vec<Option<Lit>>, wanted: &[bool]) -> Self {
         let roots: Vec<Lit> = system.constraints.iter().copied().chain(bads.iter().flatten().copied()).collect();
         let nexts = system.latches.iter().map(|l| l.next);
-        let roots: Vec<Lit> = roots.into_iter().chain(nexts).chain(system.notable.iter().copied()).collect();
+        let noted = system.notable.iter().chain(system.numbers.iter().flatten()).copied();
+        let roots: Vec<Lit> = roots.into_iter().chain(nexts).chain(noted).collect();
         let cone = system.aig.cone(&roots);
         let open = bads.iter().zip(wanted).map(|(bad, &wanted)| bad.is_some() && wanted).collect();
         let remembered: HashSet<Lit> = system.latches.iter().flat_map(|l| [l.next, l.leaf]).collect();
@@ -151,6 +159,8 @@ impl<'s> Walker<'s> {
             attempts: ATTEMPTS,
             waits: u64::MAX,
             chance: 0x9e37_79b9_7f4a_7c15,
+            records: vec![[None; 2]; if system.numbers.is_empty() { 0 } else { system.numbers.len() + 1 }],
+            turn: 0,
         };
         // Some beginnings, where there is more than one.
         let beginnings = if system.latches.iter().all(|l| l.initial.is_some()) { 1 } else { 16 };
@@ -173,11 +183,11 @@ impl<'s> Walker<'s> {
         let mut left = gates;
         let mut idle = 0;
         while (self.open.contains(&true) || self.places.len() < ENOUGH) && idle < PATIENCE && left > 0 && !stop() {
-            let before = self.places.len();
-            let base = (0..64).map(|_| self.choose()).collect();
+            let before = (self.places.len(), self.records.clone());
+            let base = (0..64).map(|lane| self.record(lane).unwrap_or_else(|| self.choose())).collect();
             let spent = self.stretch(base, STRETCH);
             left = left.saturating_sub(spent);
-            idle = if self.places.len() > before { 0 } else { idle + 1 };
+            idle = if self.places.len() > before.0 || self.records != before.1 { 0 } else { idle + 1 };
         }
     }
 
@@ -273,7 +283,56 @@ impl<'s> Walker<'s> {
             }
             state = nexts;
         }
+        self.climb(&base, &since, &history, &state, alive);
         spent
+    }
+
+    /// Every other lane goes on from a record, if there are any.
+    fn record(&mut self, lane: usize) -> Option<usize> {
+        let records: Vec<usize> = self.records.iter().flatten().flatten().map(|r| r.1).collect();
+        if lane % 2 == 0 || records.is_empty() {
+            return None;
+        }
+        self.turn += 1;
+        Some(records[self.turn % records.len()])
+    }
+
+    /// Notes where numbers are larger or smaller than ever at the end of a stretch.
+    fn climb(&mut self, base: &[usize], since: &[usize], history: &[Vec<u64>], state: &[u64], alive: u64) {
+        if alive == 0 || history.is_empty() || self.records.is_empty() {
+            return;
+        }
+        let mut values: Vec<[i64; 64]> = Vec::new();
+        for number in &self.system.numbers {
+            let mut value = [0i64; 64];
+            for (i, &bit) in number.iter().enumerate() {
+                let word = self.lanes(bit);
+                let weight = if i + 1 == number.len() { -(1i64 << i) } else { 1 << i };
+                (0..64).for_each(|lane| value[lane] += weight * (word >> lane & 1) as i64);
+            }
+            values.push(value);
+        }
+        values.push(std::array::from_fn(|lane| values.iter().map(|v| v[lane]).sum()));
+        let mut kept: HashMap<usize, usize> = HashMap::new();
+        for (number, value) in values.iter().enumerate() {
+            for (end, sign) in [1, -1].into_iter().enumerate() {
+                let lanes = (0..64).filter(|lane| alive >> lane & 1 == 1);
+                let Some(lane) = lanes.max_by_key(|&lane| (sign * value[lane], std::cmp::Reverse(lane))) else {
+                    continue;
+                };
+                if self.records[number][end].is_some_and(|(known, _)| sign * known >= sign * value[lane]) {
+                    continue;
+                }
+                let place = *kept.entry(lane).or_insert_with(|| {
+                    let inputs = history[since[lane]..].iter();
+                    let inputs = inputs.map(|scan| scan.iter().map(|w| w >> lane & 1 == 1).collect()).collect();
+                    let state = state.iter().map(|w| w >> lane & 1 == 1).collect();
+                    self.places.push(Place { from: Some(base[lane]), inputs, state, visits: 0, next: None });
+                    self.places.len() - 1
+                });
+                self.records[number][end] = Some((value[lane], place));
+            }
+        }
     }
 
     /// The less visited one of two places.
@@ -379,22 +438,6 @@ impl<'s> Walker<'s> {
     }
 }
 
-/// Rows to columns, so that bit `i` of word `j` becomes bit `j` of word `i` (Warren, Hacker's Delight, 7-3).
-fn transpose(rows: &mut [u64; 64]) {
-    let (mut j, mut mask) = (32, 0x0000_0000_ffff_ffffu64);
-    while j != 0 {
-        let mut k = 0;
-        while k < 64 {
-            let t = ((rows[k] >> j) ^ rows[k | j]) & mask;
-            rows[k] ^= t << j;
-            rows[k | j] ^= t;
-            k = ((k | j) + 1) & !j;
-        }
-        j >>= 1;
-        mask ^= mask << j;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::system::Property;
@@ -410,6 +453,28 @@ mod tests {
                 assert_eq!(row >> j & 1, was >> i & 1);
             }
         }
+    }
+
+    #[test]
+    fn a_counter_comes_to_its_end() {
+        // Counts rising edges, and stops at its end.
+        let mut system = System::default();
+        let part = system.input("part", Giver::Operator);
+        let was = system.latch("was", Some(false));
+        system.latches[0].next = part;
+        let bits: Vec<Lit> = (0..12).map(|i| system.latch(format!("bit {i}"), Some(false))).collect();
+        let full = system.aig.all(&bits);
+        let mut carry = system.aig.all(&[part, !was, !full]);
+        for (i, &bit) in bits.iter().enumerate() {
+            system.latches[i + 1].next = system.aig.xor(bit, carry);
+            carry = system.aig.and(carry, bit);
+        }
+        system.claim("full", Property::Never(full));
+        let gates = 200_000_000;
+        assert!(wander(&system, &[true], gates, &|| false).runs[0].is_none(), "by chance alone it does not get there");
+        system.numbers = vec![bits.iter().copied().chain([Lit::FALSE]).collect()];
+        let walk = wander(&system, &[true], gates, &|| false);
+        assert!(system.shows(walk.runs[0].as_ref().expect("it gets there"), system.claims[0].property));
     }
 
     #[test]

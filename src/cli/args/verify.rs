@@ -28,7 +28,9 @@ Exit codes:
   0  all demands hold; with --needed, it is known of each constraint whether it is needed
   1  a demand is violated; with --needed, something stays open; the model has errors, or a file cannot be read or written
   2  the command line is wrong
-  3  no demand is violated, and a property, a constraint or what is denied stays open")]
+  3  no demand is violated, and a property, a constraint or what is denied stays open, or anything after Ctrl-C
+
+Ctrl-C, or a request to terminate, prints what is known so far; the second one ends at once.")]
 pub struct Verify {
     /// The model.
     pub file: PathBuf,

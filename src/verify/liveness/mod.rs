@@ -43,7 +43,7 @@ pub fn answer(
     match choice {
         Choice::Only(Engine::Exact) => search.explore(&Limits { steps: u64::MAX, ..*limits }),
         Choice::Only(Engine::Bounded) => search.look_ahead(limits.scans, u64::MAX),
-        Choice::Only(Engine::Chance) => Err(Limit::Kind),
+        Choice::Only(Engine::Chance | Engine::Scenario) => Err(Limit::Kind),
         Choice::Only(Engine::Proof) => search.rounds(limits.conflicts).or_else(|_| search.prove()),
         Choice::Automatic => search
             .explore(limits)

@@ -173,6 +173,7 @@ impl<'m> Subject<'m> {
             // Not all claims are asked, but it is from their states that a walk goes on.
             system.notable.extend(&scan.after.active);
         }
+        system.numbers = scan.after.integers.iter().chain(&counts).cloned().collect();
         let timed = running.is_timed() || !open && clocks::waits(machine);
         let all = clocks::of(machine, &running.timers(), !open);
         let waits = turn.latches();

@@ -616,3 +616,19 @@ fn warnings_are_accepted_by_what_they_speak_of() {
     let (machine, diagnostics) = chartwright::pipeline::without::check(&oven(all), &["C1".to_owned()]);
     assert!(machine.is_some() && diagnostics.is_empty(), "{diagnostics:?}");
 }
+
+#[test]
+fn the_model_that_shows_acceptances_has_nothing_else_to_be_told() {
+    let output = chartwright(&repository("models"), "verify accepted.chart --deny all --time 60");
+    let said = stdout(&output);
+    assert_eq!(code(&output), 0, "{said}{}", stderr(&output));
+    assert!(stderr(&output).contains("no errors, no warnings"), "{}", stderr(&output));
+    assert!(said.contains("\n7 accepted\n"), "{said}");
+    let words = ["found", "denied", "stale", "open", "violated"];
+    assert!(!said.lines().any(|line| words.iter().any(|word| line.starts_with(word))), "{said}");
+    // Each kind of finding and of warning is there.
+    let model = std::fs::read_to_string(repository("models/accepted.chart")).expect("the model is there");
+    for kind in ["unreachable", "silent", "overlap", "saturates", "acts", "void", "unused", "cyclic"] {
+        assert!(model.contains(&format!("accept {kind} ")), "{kind}");
+    }
+}

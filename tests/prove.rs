@@ -150,6 +150,24 @@ fn all_configurations_and_no_others_are_decoded() {
 }
 
 #[test]
+fn a_time_has_passed_only_where_a_state_was_not_just_entered() {
+    let source = "machine M\ncycle 10ms\ninputs { I }\noutputs { O }\nactuator A onoff by O\n\
+        chart C { initial state A\nstate B { drives O }\nfrom A to B when I\nfrom B to A when after 50ms and I }\n";
+    let machine = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}")).machine;
+    let mut graph = aig::Aig::new();
+    let state = configuration::any(&mut graph, &machine, &ChartStep::new(&machine, 1));
+    let mut seen = std::collections::BTreeSet::new();
+    let count = graph.leaves().len();
+    for code in 0..1u64 << count {
+        let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
+        let mut values = Vec::new();
+        graph.simulate(&leaves, &mut values);
+        seen.insert([state.fresh[0], state.past[0]].map(|l| aig::lanes(&values, l) & 1));
+    }
+    assert_eq!(seen.into_iter().collect::<Vec<_>>(), [[0, 0], [0, 1], [1, 0]]);
+}
+
+#[test]
 fn every_part_of_a_machine_is_compared() {
     let model = models::all().into_iter().find(|m| m.name == "indexa").expect("INDEXA is a model");
     let output = build(&model.source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}"));

@@ -179,7 +179,7 @@ impl<'s, 'm> Walk<'s, 'm> {
             let possible = self.possible(frame);
             let steps = &self.subject.machine.plant.happenings;
             let step = possible.into_iter().find(|&h| steps[h].text == what);
-            if !step.is_some_and(|step| self.happens(frame, step) == Some(true)) {
+            if step.is_none_or(|step| self.happens(frame, step) != Some(true)) {
                 return false;
             }
         }

@@ -193,8 +193,8 @@ impl<'s> Walker<'s> {
 
     /// Looks for runs of these claims only.
     fn want(&mut self, wanted: &[bool]) {
-        for claim in 0..wanted.len() {
-            self.open[claim] = wanted[claim] && self.bads[claim].is_some() && self.runs[claim].is_none();
+        for (claim, &wanted) in wanted.iter().enumerate() {
+            self.open[claim] = wanted && self.bads[claim].is_some() && self.runs[claim].is_none();
         }
     }
 
@@ -290,7 +290,7 @@ impl<'s> Walker<'s> {
     /// Every other lane goes on from a record, if there are any.
     fn record(&mut self, lane: usize) -> Option<usize> {
         let records: Vec<usize> = self.records.iter().flatten().flatten().map(|r| r.1).collect();
-        if lane % 2 == 0 || records.is_empty() {
+        if lane.is_multiple_of(2) || records.is_empty() {
             return None;
         }
         self.turn += 1;

@@ -68,24 +68,23 @@ fn a_shallow_history_enters_what_is_inside_the_last_state() {
 }
 
 #[test]
-fn a_deep_history_begins_a_region_that_had_ended() {
+fn a_history_begins_what_was_done_as_a_whole() {
     assert_right(&format!(
         "{HEAD} chart C {{
            initial state Rest
            state Job {{
-             initial state Load
-             state Mill {{ initial state Rough {{ drives LAMP }}  final state Fine }}
+             initial state Mill {{ initial state Rough {{ drives LAMP }}  final state Fine }}
            }}
            from Rest to Job.Mill.Fine when Go
            from Job to Rest when Stop
-           from Rest to deep history of Job when Cont
+           from Rest to deep history of Job.Mill when Cont
          }}
          scenario \"by default\" {{ press Go expect in(Fine) press Stop press Cont expect in(Rough) and LAMP }}"
     ));
 }
 
 #[test]
-fn an_internal_transition_leaves_the_turn_to_what_is_inside() {
+fn an_internal_transition_takes_no_turn() {
     assert_right(&format!(
         "{HEAD} variables {{ Seen : BOOL }} chart C {{
            initial state Run {{
@@ -93,19 +92,19 @@ fn an_internal_transition_leaves_the_turn_to_what_is_inside() {
              initial state Slow
              state Fast {{ drives LAMP }}
              from Slow to Fast when Go
-             from Slow to Off
+             from Slow to Off when Stop
            }}
            state Off {{ drives LAMP when Seen }}
            from Off to Run when Stop
          }}
          scenario \"inside\" {{ set Cont, Go wait 2 scans expect in(Fast) and LAMP }}
-         scenario \"out\" {{ wait 2 scans expect in(Off) }}"
+         scenario \"out\" {{ wait 1 scan set Cont press Stop expect in(Off) and not LAMP }}"
     ));
-    // Further out than the one that always leaves, and with a priority.
+    // Beside one that leaves in the first scan that it can.
     assert_right(&format!(
         "{HEAD} variables {{ Seen : BOOL }} chart C {{
            initial state Run {{
-             internal priority 1 when Cont then set Seen
+             internal when Cont then set Seen
              initial state Slow
              parallel state Fast {{
                region A {{ initial state P  state Q {{ drives LAMP }}  from P to Q when Go }}
@@ -114,10 +113,10 @@ fn an_internal_transition_leaves_the_turn_to_what_is_inside() {
              from Slow to Fast when Go
            }}
            state Off
-           from Run to Off priority 2 when true
+           from Run to Off when Cont
            from Off to Run when Stop or Seen
          }}
-         scenario \"inside\" {{ set Cont, Go wait 3 scans expect in(Q) and LAMP reset Cont wait 1 scan expect in(Off) }}"
+         scenario \"inside\" {{ set Go wait 3 scans expect in(Q) and LAMP set Cont wait 1 scan expect in(Off) and not Seen }}"
     ));
 }
 
@@ -130,14 +129,14 @@ fn found(lines: &str) -> Vec<(&'static str, String)> {
 
 #[test]
 fn what_is_impossible_is_said_as_it_is() {
-    // An internal one that is tried later takes no turn.
+    // An internal one takes no turn.
     let always = "initial state Run { internal when Cont then set Seen  initial state Slow  state Fast { drives LAMP }
                     from Slow to Fast when Go }
                   state Off  from Off to Run when Stop  from Run to Off priority 1 when true";
-    for more in ["", "internal priority 2 when Go then set Seen"] {
+    for more in ["", "internal when Go then set Seen"] {
         let said = found(&always.replace("initial state Run {", &format!("initial state Run {{ {more}")));
         let beaten = ("E308", "this transition from `Run.Slow` to `Run.Fast` can never fire: never fires".to_owned());
-        let inside = ("E308", "this internal transition of `Run` can never fire: never fires".to_owned());
+        let inside = ("E308", "this internal transition of `Run` can never fire: never happens".to_owned());
         let fast = ("E305", "`Run.Fast` is never entered: no transition that leads here can ever fire".to_owned());
         assert!([beaten, inside, fast].iter().all(|d| said.contains(d)), "{said:?}");
     }
@@ -248,7 +247,7 @@ impl Small {
 
     fn internal(&mut self) -> String {
         let guard = self.guard();
-        format!("internal{} when {guard} then set V", self.priority())
+        format!("internal when {guard} then set V")
     }
 
     fn priority(&mut self) -> String {

@@ -72,7 +72,7 @@ chart Main "says chart 1" {
     state Warm "says state 4" {
       drives LAMP
       internal when Again then raise Ready "says internal 2"
-      internal priority 2 when Deep and Stop then set Count := Count + 1 "says internal 3"
+      internal when Deep and Stop then set Count := Count + 1 "says internal 3"
     }
     state Cold
     final state End "says state 5"

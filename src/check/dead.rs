@@ -8,16 +8,15 @@ use crate::ir::expr::Expr;
 pub enum Dead {
     /// Its guard is FALSE.
     NeverEnabled,
-    /// Whenever it is enabled, so is this one, and this one or another that keeps it from firing comes first.
+    /// Whenever it is enabled, so is this one, and this one or another that keeps it from firing comes first; or leaves
+    /// the state of an internal one.
     Beaten(TransitionId),
 }
 
 /// For each transition, why it can never fire, if it cannot.
 pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
-    // For each state, the transitions out of it that are enabled whenever it is active, and the internal ones
-    // that can be enabled.
+    // For each state, the transitions out of it that are enabled whenever it is active.
     let mut always = vec![Vec::new(); machine.states.len()];
-    let mut internals = vec![Vec::new(); machine.states.len()];
     let mut rank = vec![0; machine.transitions.len()];
     let (start, end) = (machine.scoped(Phase::Start), machine.scoped(Phase::End));
     for list in start.iter().chain(&end) {
@@ -26,9 +25,6 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
             let t = &machine.transitions[id];
             if t.guard == Expr::TRUE {
                 always[t.source.index()].push(id);
-            }
-            if t.internal && t.guard != Expr::FALSE {
-                internals[t.source.index()].push(id);
             }
         }
     }
@@ -42,20 +38,9 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
             return Some(Dead::NeverEnabled);
         }
         let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
-        // Of one scope, one fires. If it leaves its source, nothing inside takes a step; but an internal one
-        // that is tried first can take the turn of the one that would leave.
-        let takes_turn = |o: TransitionId, other: &Transition| {
-            let mut inner = machine.ancestors(t.source).flat_map(|s| internals[s.index()].iter().copied());
-            inner.any(|i| {
-                let internal = &machine.transitions[i];
-                internal.scope == other.scope && internal.phase == other.phase && key(i) < key(o)
-            })
-        };
-        let beats = |o: TransitionId| {
-            let other = &machine.transitions[o];
-            let first = other.phase == t.phase && key(o) < key(id);
-            first && (other.scope == t.scope || !other.internal && !takes_turn(o, other))
-        };
+        // Of one scope, one fires, and what is inside its source takes no step then. What is internal does not happen in
+        // a scan in which its state is left.
+        let beats = |o: TransitionId| machine.transitions[o].phase == t.phase && (t.internal || key(o) < key(id));
         rivals.find(|&o| beats(o)).map(Dead::Beaten)
     };
     machine.transitions.iter().map(judge).collect()

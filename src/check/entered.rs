@@ -4,7 +4,7 @@
 
 use super::dead::dead;
 use crate::base::{Code, Diagnostic, Diagnostics};
-use crate::ir::chart::{Inside, Machine, RegionId, StateId, StateKind};
+use crate::ir::chart::{Inside, Machine, RegionId, StateId};
 use crate::ir::expr::Expr;
 
 pub fn check(machine: &Machine, found: &mut Diagnostics) {
@@ -28,9 +28,8 @@ struct Walk<'m> {
     /// The regions that have been entered by default. A state that was entered on the way to one inside
     /// it has not yet started the region on that way.
     started: Vec<bool>,
-    /// The states that are entered by history, and those by deep history.
+    /// The states that are entered by shallow history.
     resumed: Vec<bool>,
-    deeply: Vec<bool>,
     fresh: Vec<StateId>,
 }
 
@@ -48,8 +47,7 @@ impl Walk<'_> {
             machine,
             entered: none.clone(),
             started: vec![false; machine.regions.len()],
-            resumed: none.clone(),
-            deeply: none,
+            resumed: none,
             fresh: Vec::new(),
         };
         for chart in &machine.charts {
@@ -62,8 +60,7 @@ impl Walk<'_> {
                     walk.enter(t.goals());
                     match t.inside {
                         Inside::History => walk.resumed[t.target.index()] = true,
-                        Inside::DeepHistory => walk.deeply[t.target.index()] = true,
-                        Inside::Default | Inside::Fork(_) => {}
+                        Inside::DeepHistory | Inside::Default | Inside::Fork(_) => {}
                     }
                 }
             }
@@ -91,16 +88,13 @@ impl Walk<'_> {
     }
 
     /// Enters what histories enter that nothing else has: by default what is inside a last state that a
-    /// shallow history comes back to, and a region whose last state is final.
+    /// shallow history comes back to.
     fn resume(&mut self) {
-        for (id, state) in self.machine.states.iter().filter(|(id, _)| self.entered[id.index()]).collect::<Vec<_>>() {
+        let entered = self.machine.states.iter().filter(|(id, _)| self.entered[id.index()]);
+        for state in entered.map(|(_, state)| state).collect::<Vec<_>>() {
             let parent = self.machine.regions[state.region].parent;
             if parent.is_some_and(|p| self.resumed[p.index()]) {
                 state.regions.iter().for_each(|&r| self.enter_region(r));
-            }
-            let deep = self.machine.ancestors(id).skip(1).any(|s| self.deeply[s.index()]);
-            if deep && state.kind == StateKind::Final {
-                self.enter_region(state.region);
             }
         }
     }

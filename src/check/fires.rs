@@ -28,6 +28,10 @@ pub fn check(machine: &Machine, found: &mut Diagnostics) {
         };
         let d = Diagnostic::new(Code::NeverFires, format!("{what} can never fire"));
         found.push(match reason {
+            Dead::Beaten(winner) if t.internal => d
+                .label(t.span, "never happens")
+                .label(machine.transitions[winner].span, "leaves the state whenever it is active")
+                .help("give the transition a condition, or write `then` behind it"),
             Dead::Beaten(winner) => d
                 .label(t.span, "never fires")
                 .label(machine.transitions[winner].span, "always enabled then, and tried first")

@@ -17,7 +17,7 @@ const PATIENCE: u64 = 100_000;
 
 const HELP: &str = "\
 set A B        TRUE from the next scan on; reset A B: FALSE; toggle A B: the other value
-press A B      TRUE for one scan, which runs
+press A B      the other value for one scan, which runs
 release A B    no longer held: what the plant gives is the plant's again
 step [N]       runs one scan, or N; so does an empty line
 run until EXPR runs until the condition holds: run until in(Working) and not LAMP
@@ -218,13 +218,14 @@ impl Session<'_> {
     }
 
     fn press(&mut self, names: &[&str]) -> Result<String, String> {
-        self.change(names, |_| Some(true))?;
+        let given: Vec<Given> = names.iter().map(|n| self.find(n)).collect::<Result<_, _>>()?;
+        let rest: Vec<bool> = given.iter().map(|&g| self.run.given()[self.run.layout().place(g)]).collect();
+        self.change(names, |now| Some(!now))?;
         let text = self.step(1);
-        for name in names {
-            let given = self.find(name)?;
+        for (given, value) in given.into_iter().zip(rest) {
             let deed = match given {
                 Given::Input(input) if self.gives[input.index()] => Deed::Force(input, None),
-                given => Deed::Set(given, false),
+                given => Deed::Set(given, value),
             };
             self.act(deed);
         }

@@ -318,25 +318,6 @@ pub struct Body {
     pub span: Span,
 }
 
-impl Body {
-    /// Whether it says what a state does, apart from what the state holds.
-    pub fn does_something(&self) -> bool {
-        let Body {
-            drives,
-            actions,
-            entry,
-            exit,
-            internals,
-            states: _,
-            regions: _,
-            choices: _,
-            transitions: _,
-            span: _,
-        } = self;
-        !(drives.is_empty() && actions.is_empty() && entry.is_empty() && exit.is_empty() && internals.is_empty())
-    }
-}
-
 /// `initial final parallel state NAME at POSITION controls ACTUATOR "…" { … }`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
@@ -401,11 +382,9 @@ pub struct Movement {
     pub name: Option<Name>,
 }
 
-/// `internal priority 1 when G then set V "…"`.
+/// `internal when G then set V "…"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Internal {
-    /// `priority N`.
-    pub priority: Option<(u32, Span)>,
     /// `when …`.
     pub guard: Guard,
     /// `then …`.

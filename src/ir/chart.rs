@@ -21,9 +21,9 @@
 //!    say. Source and target may lie in the same state of the scope: it is left and entered again.
 //!    Guards of entries read what guards of transitions do. *Last* in a region is the state that was
 //!    active in it when it was active last: now, if it is active when the scan begins.
-//!    An [internal](Transition::internal) transition competes with the others of its scope, but leaves and
-//!    enters nothing, and what is inside its source takes its step as if nothing had fired.
-//! 5. [`Deeds`] happen: those of [exits](State::exit) of the states that were active and are left, from the
+//!    An [internal](Transition::internal) transition takes part in none of this. It happens in each scan in which
+//!    its source was active before the step and is not left in it, and its guard holds.
+//! 5. [`Deeds`] happen: those of internal transitions, of outer states first, then as they are written; those of [exits](State::exit) of the states that were active and are left, from the
 //!    inside out; those of the fired transitions, of outer scopes first; those of [entries](State::entry)
 //!    of the states that are entered, from the outside in. Of several that write one variable the last one
 //!    wins; [`check`](crate::check) sees to it that there is a last one. Among them are [`Assignment`]s: an
@@ -452,11 +452,10 @@ pub enum Inside {
     /// Fork: on the way down to these states; they lie in different regions of the target. All other
     /// regions are entered by default.
     Fork(Vec<StateId>),
-    /// Shallow history: each at its last state, unless that is final or there is none: then by default.
-    /// Those further in are entered by default.
+    /// Shallow history: each at its last state, those further in by default. If there is none yet, or the last states of
+    /// all regions of the target are final, so that it was done as a whole: each by default.
     History,
-    /// Deep history: the same, and so further in below each last state. What is below a state that is
-    /// entered by default is entered by default.
+    /// Deep history: the same, and so further in below each last state.
     DeepHistory,
 }
 
@@ -549,11 +548,20 @@ impl Machine {
         self.kind(self.states[state].region) == ChartKind::Observer
     }
 
+    /// For each state, its internal transitions, as they are written.
+    pub fn internals(&self) -> Vec<Vec<TransitionId>> {
+        let mut by_state = vec![Vec::new(); self.states.len()];
+        for (id, t) in self.transitions.iter().filter(|(_, t)| t.internal) {
+            by_state[t.source.index()].push(id);
+        }
+        by_state
+    }
+
     /// For each region, the transitions of that phase whose scope it is, in the order in which they are
-    /// tried: outermost source first, then explicit priority, then as written.
+    /// tried: outermost source first, then explicit priority, then as written. Internal ones are not tried.
     pub fn scoped(&self, phase: Phase) -> Vec<Vec<TransitionId>> {
         let mut by_region = vec![Vec::new(); self.regions.len()];
-        for (id, t) in self.transitions.iter().filter(|(_, t)| t.phase == phase) {
+        for (id, t) in self.transitions.iter().filter(|(_, t)| t.phase == phase && !t.internal) {
             by_region[t.scope.index()].push(id);
         }
         for list in &mut by_region {

@@ -42,8 +42,8 @@ pub enum Origin {
     After(StateId, u32),
     /// That a state is the last one of its region.
     Last(StateId),
-    /// That a region has been left or is active, and has not ended.
-    Unfinished(RegionId),
+    /// That a state has been left or is active, and was not done as a whole.
+    Unfinished(StateId),
     /// That a region begins at a state because a transition says so.
     Entry(StateId),
     /// That a region begins at a state because the guard of one of its beginnings says so.
@@ -86,8 +86,7 @@ impl Origin {
             Origin::Active(id) => format!("in({})", state(id)),
             Origin::Done(id) => format!("done({})", state(id)),
             Origin::After(id, milliseconds) => format!("after({}, {milliseconds}ms)", state(id)),
-            Origin::Last(id) => format!("history of {}", state(id)),
-            Origin::Unfinished(id) => format!("history of {}", region(id)),
+            Origin::Last(id) | Origin::Unfinished(id) => format!("history of {}", state(id)),
             Origin::Entry(id) => format!("entry of {}", state(id)),
             Origin::Beginning(id) => format!("entry of {} by default", state(id)),
             Origin::Initial(id) => format!("initial state of {}", region(id)),
@@ -117,13 +116,14 @@ impl Origin {
             Origin::Integer(id) => machine.integers[id].span,
             Origin::Event(id) => machine.events[id].span,
             Origin::Chart(index) => machine.charts[index].span,
-            Origin::Region(id) | Origin::Unfinished(id) | Origin::Initial(id) => machine.regions[id].span,
+            Origin::Region(id) | Origin::Initial(id) => machine.regions[id].span,
             Origin::Beginning(id) => machine.regions[machine.states[id].region].span,
             Origin::State(id)
             | Origin::Active(id)
             | Origin::Done(id)
             | Origin::After(id, _)
             | Origin::Last(id)
+            | Origin::Unfinished(id)
             | Origin::Entry(id) => machine.states[id].span,
             Origin::Transition(id) => machine.transitions[id].span,
             Origin::Comparison(id) => {

@@ -10,7 +10,8 @@ use std::fmt::{self, Write};
 
 /// Writes the machine as an outline.
 pub fn outline(machine: &Machine) -> String {
-    let mut w = Writer { machine, scoped: [Phase::Start, Phase::End].map(|p| machine.scoped(p)), out: String::new() };
+    let scoped = [Phase::Start, Phase::End].map(|p| machine.scoped(p));
+    let mut w = Writer { machine, scoped, internals: machine.internals(), out: String::new() };
     w.whole().expect("writing to a string succeeds");
     w.out
 }
@@ -19,6 +20,7 @@ struct Writer<'m> {
     machine: &'m Machine,
     /// By phase and region.
     scoped: [Vec<Vec<TransitionId>>; 2],
+    internals: Vec<Vec<TransitionId>>,
     out: String,
 }
 
@@ -256,6 +258,11 @@ impl Writer<'_> {
                     writeln!(self.out, "{:1$}{word} {2}", "", depth * 2 + 2, self.deeds(deeds))?;
                 }
             }
+            for &t in &self.internals[s.index()] {
+                let t = &m.transitions[t];
+                let (guard, then) = (self.guard(&t.guard), self.deeds(&t.deeds));
+                writeln!(self.out, "{:1$}internal when {guard} then {then}", "", depth * 2 + 2)?;
+            }
             for &r in &state.regions {
                 self.region(r, depth + 1)?;
             }
@@ -266,11 +273,10 @@ impl Writer<'_> {
             let t = &m.transitions[id];
             let phase = if t.phase == Phase::End { "after filter " } else { "" };
             let then = if t.deeds.is_empty() { String::new() } else { format!(" then {}", self.deeds(&t.deeds)) };
-            let source = m.state_path(t.source);
-            let leads = if t.internal { "internal".to_owned() } else { format!("-> {}", m.destination(id)) };
+            let (source, destination) = (m.state_path(t.source), m.destination(id));
             writeln!(
                 self.out,
-                "{:1$}{phase}{2}. {source} {leads} when {3}{then}",
+                "{:1$}{phase}{2}. {source} -> {destination} when {3}{then}",
                 "",
                 depth * 2,
                 rank + 1,

@@ -257,7 +257,7 @@ impl Writer {
         }
         for t in &body.internals {
             let (when, then) = (condition(&t.guard), then(&t.effects));
-            self.line(format_args!("internal{} when {when}{then}{}", priority(t.priority), text(&t.description)))?;
+            self.line(format_args!("internal when {when}{then}{}", text(&t.description)))?;
         }
         for region in &body.regions {
             let head = format!(
@@ -294,7 +294,10 @@ impl Writer {
     fn transition(&mut self, t: &Transition) -> fmt::Result {
         let source = match &t.source {
             Source::State(path) => words(path),
-            Source::Any(_) => "any".to_owned(),
+            Source::Any { except, .. } if except.is_empty() => "any".to_owned(),
+            Source::Any { except, .. } => {
+                format!("any except {}", except.iter().map(words).collect::<Vec<_>>().join(", "))
+            }
             Source::Join(paths) => several(paths),
         };
         let (verb, name) = match &t.movement {

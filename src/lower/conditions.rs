@@ -121,44 +121,33 @@ impl Context<'_> {
         id
     }
 
-    /// Whether a transition further out takes the region's branch away in this scan; nothing if none
-    /// can.
-    fn overruled(&mut self, region: RegionId) -> Option<GlobalId> {
-        if let Some(&id) = self.conditions.overruled.get(&region) {
+    /// Whether a transition out of the state or further out leaves it in this scan, if it is active; nothing if none can.
+    fn is_left(&mut self, state: StateId) -> Option<GlobalId> {
+        if let Some(&id) = self.conditions.left.get(&state) {
             return id;
         }
-        let parent = self.machine.regions[region].parent;
-        let mut reasons = Vec::new();
-        if let Some(parent) = parent {
-            let outer = self.machine.states[parent].region;
-            reasons.extend(self.overruled(outer).map(Expr::Atom));
-            let mut left = Expr::FALSE;
-            for t in self.leaving(outer, parent).into_iter().rev() {
-                let enabled = Expr::Atom(self.enabled(t));
-                // One that leaves nothing keeps those behind it from leaving.
-                left = if self.machine.transitions[t].internal {
-                    Expr::all([enabled.not(), left])
-                } else {
-                    Expr::any([enabled, left])
-                };
-            }
-            if left != Expr::FALSE {
-                reasons.push(left);
-            }
+        let region = self.machine.states[state].region;
+        let mut reasons: Vec<Condition> = self.overruled(region).map(Expr::Atom).into_iter().collect();
+        for t in self.leaving(region, state) {
+            reasons.push(Expr::Atom(self.enabled(t)));
         }
         let id = (!reasons.is_empty()).then(|| {
-            let path = self.machine.region_path(region);
-            let name = self.names.region("Bar", region);
-            let text = format!("a transition further out leaves {path}");
-            let id = self.global(name, Role::Condition, text.clone(), Origin::Region(region));
-            let condition = Expr::any(reasons);
+            let name = self.names.state("Bar", state);
+            let text = format!("a transition leaves {} if it is active", self.machine.state_path(state));
+            let id = self.global(name, Role::Condition, text.clone(), Origin::State(state));
             let mut rungs = std::mem::take(&mut self.conditions.ranking);
-            rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
+            rung(self, &mut rungs, (id, CoilKind::Plain), &Expr::any(reasons), text);
             self.conditions.ranking = rungs;
             id
         });
-        self.conditions.overruled.insert(region, id);
+        self.conditions.left.insert(state, id);
         id
+    }
+
+    /// Whether a transition further out takes the region's branch away in this scan; nothing if none
+    /// can.
+    fn overruled(&mut self, region: RegionId) -> Option<GlobalId> {
+        self.machine.regions[region].parent.and_then(|parent| self.is_left(parent))
     }
 
     /// The transitions of scope `region` that leave its state `state`, in the order in which they
@@ -180,6 +169,14 @@ impl Context<'_> {
         self.conditions.fires.insert(transition, id);
         let t = &self.machine.transitions[transition];
         let state = self.machine.child_in(t.scope, t.source).expect("the scope holds the source");
+        if t.internal {
+            let left = self.is_left(state).map(|left| Expr::Atom(left).not());
+            let condition = Expr::all([Expr::Atom(self.enabled(transition))].into_iter().chain(left));
+            let mut rungs = std::mem::take(&mut self.conditions.firing);
+            rung(self, &mut rungs, (id, CoilKind::Plain), &condition, text);
+            self.conditions.firing = rungs;
+            return id;
+        }
         let rivals = self.leaving(t.scope, state);
         let rank = rivals.iter().position(|&r| r == transition).expect("a transition is its own rival");
         let mut parts = vec![Expr::Atom(self.enabled(transition))];
@@ -267,7 +264,7 @@ impl Context<'_> {
             let when = when.map(&mut |read| match *read {
                 Read::Guard(atom) => self.guard(&Expr::Atom(atom), scope),
                 Read::Last(state) => Expr::Atom(self.last(state)),
-                Read::Unfinished(region) => Expr::Atom(self.unfinished(region)),
+                Read::Unfinished(state) => Expr::Atom(self.unfinished(state)),
             });
             Expr::all([fires, when])
         });
@@ -288,18 +285,17 @@ impl Context<'_> {
         id
     }
 
-    /// Whether one of the region's states that are not final was the last one.
-    fn unfinished(&mut self, region: RegionId) -> GlobalId {
-        if let Some(&id) = self.conditions.unfinished.get(&region) {
+    /// Whether the state was active at some time and was not done as a whole.
+    fn unfinished(&mut self, state: StateId) -> GlobalId {
+        if let Some(&id) = self.conditions.unfinished.get(&state) {
             return id;
         }
         let machine = self.machine;
-        let path = machine.region_path(region);
-        let name = self.names.region("Left", region);
-        let text = format!("{path} has been left or is active, and has not ended");
-        let id = self.global(name, Role::Condition, text.clone(), Origin::Unfinished(region));
-        self.conditions.unfinished.insert(region, id);
-        let states = machine.regions[region].states.iter().copied();
+        let name = self.names.state("Left", state);
+        let text = format!("{} has been left or is active, and has not ended", machine.state_path(state));
+        let id = self.global(name, Role::Condition, text.clone(), Origin::Unfinished(state));
+        self.conditions.unfinished.insert(state, id);
+        let states = machine.states[state].regions.iter().flat_map(|&r| machine.regions[r].states.iter().copied());
         let states = states.filter(|&s| machine.states[s].kind != StateKind::Final);
         let some = Expr::any(states.map(|s| Expr::Atom(self.last(s))).collect::<Vec<_>>());
         let mut rungs = std::mem::take(&mut self.conditions.latches);

@@ -6,7 +6,7 @@
 //! which the parent's flag does not show. Of all that a transition tells in one scan, at most one
 //! state of a region is meant, whatever order it is asked in.
 
-use crate::ir::chart::{Atom, Inside, Machine, Phase, RegionId, StateId, StateKind, TransitionId};
+use crate::ir::chart::{Atom, Inside, Machine, Phase, RegionId, StateId, TransitionId};
 use crate::ir::expr::Expr;
 use std::collections::BTreeMap;
 
@@ -20,8 +20,9 @@ pub enum Read {
     Guard(Atom),
     /// Whether the state was the last one of its region when the scan began.
     Last(StateId),
-    /// Whether one of the region's states that are not final was.
-    Unfinished(RegionId),
+    /// Whether the state ever was active, and was not done as a whole: a state that is not final was the last one of
+    /// one of its regions.
+    Unfinished(StateId),
 }
 
 /// In which steps a region can be when it is told to start at a state.
@@ -117,24 +118,22 @@ impl Walk<'_> {
                 self.tell(region, next, Expr::TRUE, Found::Anywhere);
                 self.named(next);
             } else if resumes {
-                self.resume(region, &Expr::TRUE, deep);
+                let unfinished = Expr::Atom(Read::Unfinished(state));
+                self.resume(region, &unfinished, deep);
+                self.by_default(region, &unfinished.not());
             } else {
                 self.by_default(region, &Expr::TRUE);
             }
         }
     }
 
-    /// Enters a region where it was left.
+    /// Enters a region where it was left; it was active at some time.
     fn resume(&mut self, region: RegionId, when: &When, deep: bool) {
         let machine = self.machine;
         for &state in &machine.regions[region].states {
-            let s = &machine.states[state];
-            if s.kind == StateKind::Final {
-                continue;
-            }
             let when = Expr::all([when.clone(), Expr::Atom(Read::Last(state))]);
             self.tell(region, state, when.clone(), Found::There);
-            for &inner in &s.regions {
+            for &inner in &machine.states[state].regions {
                 if deep {
                     self.resume(inner, &when, deep);
                 } else {
@@ -142,7 +141,6 @@ impl Walk<'_> {
                 }
             }
         }
-        self.by_default(region, &Expr::all([when.clone(), Expr::Atom(Read::Unfinished(region)).not()]));
     }
 
     /// Enters a region by default. If it was not active it does so by itself.

@@ -247,10 +247,12 @@ struct Happening<'m> {
     what: String,
 }
 
-/// What happens, in the order in which it does: states are left, those further in first, then transitions
-/// fire, those further out first, then states are entered, those further out first.
+/// What happens, in the order in which it does: internal transitions, those further out first, then states are left,
+/// those further in first, then transitions fire, those further out first, then states are entered, those further out
+/// first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Cause {
+    Inside(u32, TransitionId),
     Left(std::cmp::Reverse<u32>, StateId),
     Fires(u32, TransitionId),
     Entered(u32, StateId),
@@ -268,8 +270,13 @@ fn happenings(machine: &Machine, kind: ChartKind, phase: Phase) -> Vec<Happening
     let transitions = machine.transitions.iter().filter(|(_, t)| t.phase == phase && machine.kind(t.scope) == kind);
     for (id, t) in transitions {
         let depth = machine.regions[t.scope].parent.map_or(0, |p| machine.states[p].depth + 1);
-        let what = format!("when a transition from {} fires", machine.state_path(t.source));
-        all.push(Happening { cause: Cause::Fires(depth, id), deeds: &t.deeds, what });
+        let path = machine.state_path(t.source);
+        let (cause, what) = if t.internal {
+            (Cause::Inside(depth, id), format!("when an internal transition of {path} happens"))
+        } else {
+            (Cause::Fires(depth, id), format!("when a transition from {path} fires"))
+        };
+        all.push(Happening { cause, deeds: &t.deeds, what });
     }
     all.retain(|happening| !happening.deeds.assignments.is_empty());
     all.sort_by_key(|happening| happening.cause);
@@ -291,8 +298,10 @@ impl Happening<'_> {
             Expr::any(coils.map(|&(_, coil)| Expr::Atom(coil)).collect::<Vec<_>>())
         };
         let (word, state, condition) = match (self.cause, firing) {
-            (Cause::Fires(_, transition), None) => return Some(context.fires(transition)),
-            (Cause::Fires(_, transition), Some(coils)) => {
+            (Cause::Inside(_, transition) | Cause::Fires(_, transition), None) => {
+                return Some(context.fires(transition));
+            }
+            (Cause::Inside(_, transition) | Cause::Fires(_, transition), Some(coils)) => {
                 return coils.iter().find(|(t, _)| *t == transition).map(|&(_, coil)| coil);
             }
             (Cause::Left(_, state), None) => ("Left", state, context.left(state)),
@@ -317,7 +326,7 @@ impl Happening<'_> {
     /// A new name for something about it.
     fn name(&self, context: &mut Context<'_>, word: &str) -> String {
         match self.cause {
-            Cause::Fires(_, transition) => context.names.transition(word, transition),
+            Cause::Inside(_, transition) | Cause::Fires(_, transition) => context.names.transition(word, transition),
             Cause::Left(_, state) => context.names.state(&format!("{word}_left"), state),
             Cause::Entered(_, state) => context.names.state(&format!("{word}_come"), state),
         }

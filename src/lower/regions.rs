@@ -102,13 +102,6 @@ fn sfc(context: &mut Context<'_>, id: RegionId) -> Sfc {
         let chained = context.is_chained(rivals);
         for &t in rivals {
             let transition = &machine.transitions[t];
-            if transition.internal {
-                // It leaves nothing, but those behind it wait. Where their order is a chain, they know.
-                if !chained {
-                    out.rest.push(Expr::Atom(context.enabled(t)).not());
-                }
-                continue;
-            }
             let target = machine.child_in(id, transition.target).expect("the scope holds the target");
             let from = Origin::Transition(t);
             out.because(&transition.description);

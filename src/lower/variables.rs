@@ -152,11 +152,10 @@ fn word(value: bool) -> (&'static str, CoilKind) {
 /// What writes a variable once, in the order in which it does.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Step {
+    /// An internal transition happens; those further out come first, then as they are written.
+    Inside(u32, TransitionId),
     /// A state is left; those further in come first.
     Left(std::cmp::Reverse<u32>),
-    /// A transition fires that leaves nothing, so that others may fire inside its source; those further
-    /// out come first.
-    Inside(u32),
     /// Any other transition fires.
     Fired,
     /// A state is entered; those further out come first.
@@ -167,7 +166,8 @@ impl Step {
     fn who(self) -> &'static str {
         match self {
             Step::Left(_) => "states that are left and",
-            Step::Inside(_) | Step::Fired => "transitions that",
+            Step::Inside(..) => "internal transitions that",
+            Step::Fired => "transitions that",
             Step::Entered(_) => "states that are entered and",
         }
     }
@@ -186,8 +186,7 @@ fn happened(context: &mut Context<'_>, kind: ChartKind) -> Vec<Vec<Write>> {
     let mut writes: Vec<Vec<Write>> = machine.variables.ids().map(|_| Vec::new()).collect();
     let fires = machine.transitions.iter().filter(|(_, t)| t.phase == Phase::Start && machine.kind(t.scope) == kind);
     for (id, t) in fires {
-        let source = &machine.states[t.source];
-        let step = if t.internal && !source.regions.is_empty() { Step::Inside(source.depth) } else { Step::Fired };
+        let step = if t.internal { Step::Inside(machine.states[t.source].depth, id) } else { Step::Fired };
         for effect in &t.deeds.effects {
             let condition = Expr::Atom(context.fires(id));
             writes[effect.variable.index()].push(Write { step, value: effect.value, condition });

@@ -398,11 +398,14 @@ fn transition(p: Pair<'_, Rule>) -> Transition {
             Rule::kw_move => movement = Some(Movement { span: span(&p), name: None }),
             Rule::source => {
                 let place = span(&p);
-                let inner = p.into_inner().next().expect("a source is `any`, a path or several");
+                let inner = p.into_inner().next().expect("a source is others, a path or several");
                 source = Some(match inner.as_rule() {
                     Rule::path => Source::State(path(inner)),
                     Rule::several => Source::Join(ways::paths(inner)),
-                    _ => Source::Any(place),
+                    _ => {
+                        let except = inner.into_inner().filter(|p| p.as_rule() == Rule::path).map(path).collect();
+                        Source::Any { except, span: place }
+                    }
                 });
             }
             Rule::path if source.is_none() => source = Some(Source::State(path(p))),

@@ -1,7 +1,7 @@
 //! The parser's pairs of choices, forks, joins, histories and internal transitions to the syntax tree.
 
 use super::Rule;
-use super::build::{Bad, effect, guard, name, number, path, span, text};
+use super::build::{Bad, effect, guard, name, path, span, text};
 use crate::ir::ast::*;
 use pest::iterators::Pair;
 
@@ -62,10 +62,9 @@ pub fn paths(p: Pair<'_, Rule>) -> Vec<Path> {
 /// A transition that leaves nothing.
 pub fn internal(p: Pair<'_, Rule>) -> Internal {
     let whole = span(&p);
-    let (mut priority, mut condition, mut effects, mut description) = (None, None, Vec::new(), None);
+    let (mut condition, mut effects, mut description) = (None, Vec::new(), None);
     for p in p.into_inner() {
         match p.as_rule() {
-            Rule::number => priority = Some((number(&p).unwrap_or(u32::MAX), span(&p))),
             Rule::expression => condition = Some(guard(p)),
             Rule::effect => effects.extend(effect(p)),
             Rule::text => description = Some(text(p)),
@@ -73,5 +72,5 @@ pub fn internal(p: Pair<'_, Rule>) -> Internal {
         }
     }
     let guard = condition.expect("an internal transition has a condition");
-    Internal { priority, guard, effects, description, span: whole }
+    Internal { guard, effects, description, span: whole }
 }

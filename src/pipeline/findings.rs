@@ -100,6 +100,9 @@ impl<'m> Findings<'m> {
             Question::Moves => format!("no transition can fire any more: a run comes to that{when}"),
             Question::Active(_) => format!("never active: {}", self.all(question)),
             Question::Fires(_) => format!("never fires: {}", self.all(question)),
+            Question::Together(a, _) if machine.transitions[a].internal => {
+                format!("both happen{when}: {}; the last one decides what both write", self.all(question))
+            }
             Question::Together(..) => {
                 format!("both enabled{when}: {}; the first one fires", self.all(question))
             }

@@ -108,6 +108,8 @@ pub struct ChartStep<'m> {
     /// after the filter.
     scoped: Vec<Vec<TransitionId>>,
     ending: Vec<Vec<TransitionId>>,
+    /// For each state, its internal transitions.
+    internals: Vec<Vec<TransitionId>>,
     timers: BTreeMap<(StateId, u32), usize>,
     /// For each region, whether some transition asks for its history.
     histories: Vec<bool>,
@@ -137,6 +139,7 @@ impl<'m> ChartStep<'m> {
             machine,
             scoped,
             ending,
+            internals: machine.internals(),
             timers,
             histories: histories::asked(machine),
             rounds,
@@ -273,12 +276,16 @@ impl<'m> ChartStep<'m> {
                 fires[t.index()] = aig.and(first, !barred);
                 may[t.index()] = aig.and(enabled, !barred);
                 *tried = aig.or(*tried, enabled);
-                if !transition.internal {
-                    *left = aig.or(*left, first);
-                }
+                *left = aig.or(*left, first);
             }
             for (&s, &left) in region.states.iter().zip(&left) {
                 moved[s.index()] = aig.or(barred, left);
+                for &t in self.internals[s.index()].iter().filter(|_| phase == Phase::Start) {
+                    let guard = reading.guard(aig, &m.transitions[t].guard);
+                    let enabled = aig.and(now.active[s.index()], guard);
+                    fires[t.index()] = aig.and(enabled, !moved[s.index()]);
+                    may[t.index()] = fires[t.index()];
+                }
             }
         }
         (fires, may)
@@ -309,11 +316,13 @@ impl<'m> ChartStep<'m> {
                     }
                 }
             }
-            match t.inside {
-                Inside::History => shallow[t.target.index()].push(fires),
-                Inside::DeepHistory => deep[t.target.index()].push(fires),
-                Inside::Default | Inside::Fork(_) => {}
-            }
+            let asks = match t.inside {
+                Inside::History => &mut shallow[t.target.index()],
+                Inside::DeepHistory => &mut deep[t.target.index()],
+                Inside::Default | Inside::Fork(_) => continue,
+            };
+            let unfinished = self.unfinished(aig, remembered, t.target);
+            asks.push(aig.and(fires, unfinished));
         }
         let mut left = vec![Lit::FALSE; m.states.len()];
         let mut entered = vec![Lit::FALSE; m.states.len()];
@@ -330,9 +339,6 @@ impl<'m> ChartStep<'m> {
                 let (shallow, below) = (aig.any(&shallow[p.index()]), aig.any(&deep[p.index()]));
                 let resumes = aig.or(shallow, below);
                 for (when, &s) in when.iter_mut().zip(&region.states) {
-                    if m.states[s].kind == StateKind::Final {
-                        continue;
-                    }
                     let last = remembered[s.index()].expect("a region with a history remembers its states");
                     let resumed = aig.and(resumes, last);
                     *when = aig.or(*when, resumed);
@@ -363,20 +369,31 @@ impl<'m> ChartStep<'m> {
         Moves { left, entered, active }
     }
 
-    /// What happens once, with whether it does, in order: what states do when they are left, from the inside
-    /// out, transitions, those of outer regions first, what states do when they are entered, from the
-    /// outside in.
-    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> {
+    /// Whether one of the regions of a state has a last state that is not final.
+    fn unfinished(&self, aig: &mut Aig, last: &[Option<Lit>], state: StateId) -> Lit {
         let m = self.machine;
-        let mut steps: BTreeMap<(u8, i64), Vec<(Lit, &Deeds)>> = BTreeMap::new();
+        let states = m.states[state].regions.iter().flat_map(|&r| &m.regions[r].states);
+        let others = states.filter(|&&s| m.states[s].kind != StateKind::Final);
+        let others: Vec<Lit> = others.filter_map(|s| last[s.index()]).collect();
+        aig.any(&others)
+    }
+
+    /// What happens once, with whether it does, in order: internal transitions, those of outer states first, then as
+    /// they are written, what states do when they are left, from the inside out, transitions, those of outer regions
+    /// first, what states do when they are entered, from the outside in.
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64, usize), Vec<(Lit, &Deeds)>> {
+        let m = self.machine;
+        let mut steps: BTreeMap<(u8, i64, usize), Vec<(Lit, &Deeds)>> = BTreeMap::new();
         for (id, state) in m.states.iter() {
             let depth = i64::from(state.depth);
-            steps.entry((0, -depth)).or_default().push((moves.left[id.index()], &state.exit));
-            steps.entry((2, depth)).or_default().push((moves.entered[id.index()], &state.entry));
+            steps.entry((1, -depth, 0)).or_default().push((moves.left[id.index()], &state.exit));
+            steps.entry((3, depth, 0)).or_default().push((moves.entered[id.index()], &state.entry));
         }
         for (id, t) in m.transitions.iter() {
             let depth = m.regions[t.scope].parent.map_or(0, |p| i64::from(m.states[p].depth) + 1);
-            steps.entry((1, depth)).or_default().push((fires[id.index()], &t.deeds));
+            // Several internal ones of one state may happen, and then in the order of the text.
+            let place = if t.internal { (0, depth, id.index()) } else { (2, depth, 0) };
+            steps.entry(place).or_default().push((fires[id.index()], &t.deeds));
         }
         steps
     }

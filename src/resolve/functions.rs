@@ -234,7 +234,9 @@ impl Steps<'_, '_> {
             |i: usize| Name { text: format!("{}_{}", s.name.text, i % s.steps.len() + 1), span: s.steps[i].span };
         if let Some(abort) = s.abort.first() {
             let begin = transition(&name(0), &name(0), Some(abort.expr.clone()), Vec::new(), abort.span);
-            body.transitions.push(Transition { source: Source::Any(abort.span), ..begin });
+            let others = Source::Any { except: Vec::new(), span: abort.span };
+            body.transitions.push(begin.clone());
+            body.transitions.push(Transition { source: others, ..begin });
         }
         for (i, step) in s.steps.iter().enumerate() {
             let here = name(i);
@@ -362,13 +364,7 @@ fn transition(from: &Name, to: &Name, guard: Option<Expr<Term>>, effects: Vec<Ef
 }
 
 fn internal(guard: Expr<Term>, effects: Vec<Effect>, span: Span) -> Internal {
-    Internal {
-        priority: None,
-        guard: Guard { expr: guard, written: String::new(), span },
-        effects,
-        description: None,
-        span,
-    }
+    Internal { guard: Guard { expr: guard, written: String::new(), span }, effects, description: None, span }
 }
 
 fn set(variable: Name) -> Effect {

@@ -188,7 +188,7 @@ impl<'a> Builder<'_, 'a, '_> {
             self.r.diagnostics.push(
                 Diagnostic::new(Code::EmptyState, "there is no state between these braces")
                     .label(span, "holds no state")
-                    .help("an elementary state has no transitions of its own: write them beside it"),
+                    .help("write `initial state NAME` and others"),
             );
         }
         for state in &body.states {
@@ -265,10 +265,7 @@ impl<'a> Builder<'_, 'a, '_> {
             }
             return;
         };
-        let composite = !body.states.is_empty()
-            || !body.regions.is_empty()
-            || !body.choices.is_empty()
-            || !body.transitions.is_empty();
+        let composite = !body.states.is_empty() || !body.regions.is_empty() || !body.choices.is_empty();
         let mut inner = region;
         if composite {
             match (declared.parallel, body.regions.is_empty()) {
@@ -295,12 +292,6 @@ impl<'a> Builder<'_, 'a, '_> {
                 inner = regions[0];
             }
             self.r.machine.states[id].regions = regions;
-        } else if !body.does_something() {
-            self.r.diagnostics.push(
-                Diagnostic::new(Code::EmptyState, format!("the braces of `{}` are empty", declared.name.text))
-                    .label(body.span, "nothing stands here")
-                    .help("leave the braces out, or say what the state holds or does"),
-            );
         } else if let Some(span) = declared.parallel {
             self.not_parallel(declared, span);
         } else if let Some(name) = &declared.controls {

@@ -15,7 +15,8 @@ pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut 
             found.extend(body.body.internals.iter().map(|written| internal(r, body, written, state)));
         }
         // The braces of a plain composite state are its region's, which has its own entry.
-        if body.state.is_some() && body.body.regions.is_empty() {
+        let composite = |s: chart::StateId| !r.machine.states[s].regions.is_empty();
+        if body.state.is_some_and(composite) && body.body.regions.is_empty() {
             continue;
         }
         for (i, written) in body.body.transitions.iter().enumerate() {
@@ -34,8 +35,7 @@ pub fn resolve<'a>(r: &mut Resolver, bodies: &[ResolvedBody<'a>], choices: &mut 
     limits(r);
 }
 
-/// Time limits of positions to internal transitions of the movements there. They come after all others,
-/// so that they are tried last.
+/// Time limits of positions to internal transitions of the movements there. They come after all others.
 fn limits(r: &mut Resolver) {
     let mut found = Vec::new();
     let mut used = std::collections::BTreeSet::new();
@@ -87,11 +87,13 @@ fn plain<'a>(
     into: &mut Vec<chart::Transition>,
 ) {
     let (sources, joined) = sources(r, body, &written.source);
+    let before_all = into.len();
     for (i, &source) in sources.iter().enumerate() {
         let before = r.diagnostics.clone();
         let guard = guard(r, body, written, source, &joined);
         let ways = targets::ways(r, choices, &written.target, body.braces(), Some((source, body.phase)));
         for way in ways.iter().flatten() {
+            let Some(elsewhere) = elsewhere(&r.machine, &written.source, source, way) else { continue };
             let deeds = r.deeds(written.effects.iter().chain(way.effects.iter().copied()), "this transition");
             let Some(scope) = r.machine.scope(source, way.target) else {
                 r.diagnostics.push(
@@ -111,7 +113,7 @@ fn plain<'a>(
                 internal: false,
                 phase: body.phase,
                 scope,
-                guard: Expr::all([guard.clone(), way.exact.clone()]),
+                guard: Expr::all([guard.clone(), way.exact.clone(), elsewhere]),
                 deeds,
                 priority: written.priority.map(|(n, _)| n),
                 description,
@@ -128,6 +130,15 @@ fn plain<'a>(
             r.diagnostics = before;
         }
     }
+    if let (ast::Source::Any { span, .. }, false) = (&written.source, r.diagnostics.has_errors()) {
+        if into.len() == before_all {
+            r.diagnostics.push(
+                Diagnostic::new(Code::WrongKind, "`any` leads nowhere from here")
+                    .label(*span, "in each state that this stands for, the machine is there already")
+                    .help("name the state from which it leads: from the target itself it is a restart"),
+            );
+        }
+    }
     if sources.is_empty() {
         targets::ways(r, choices, &written.target, body.braces(), None);
     }
@@ -141,16 +152,57 @@ fn sources(r: &mut Resolver, body: &ResolvedBody<'_>, written: &ast::Source) -> 
             Some((parallel, states)) => (vec![parallel], states.into_iter().map(|s| Expr::Atom(Atom::In(s))).collect()),
             None => (Vec::new(), Vec::new()),
         },
-        ast::Source::Any(_) if body.owns_region => (r.machine.regions[body.region].states.clone(), Vec::new()),
-        ast::Source::Any(span) => {
+        ast::Source::Any { except, .. } if body.owns_region => {
+            let mut states = r.machine.regions[body.region].states.clone();
+            for path in except {
+                let Some(state) = r.path(path, body.braces()) else { continue };
+                if r.machine.states[state].region != body.region {
+                    r.diagnostics.push(
+                        Diagnostic::new(Code::WrongKind, "this state is not one of those that `any` stands for")
+                            .label(path.span(), "is not a state of the region in which this is written")
+                            .help("except states of this region only"),
+                    );
+                }
+                states.retain(|&s| s != state);
+            }
+            (states, Vec::new())
+        }
+        ast::Source::Any { span, .. } => {
             r.diagnostics.push(
-                Diagnostic::new(Code::WrongKind, "`any` means each state of a region, and this is not in one")
-                    .label(*span, "beside the regions of a parallel state")
-                    .help("name the parallel state itself"),
+                Diagnostic::new(Code::WrongKind, "`any` means each other state of a region, and this is not in one")
+                    .label(*span, "not between the braces of a region")
+                    .help("name the state from which it leads"),
             );
             (Vec::new(), Vec::new())
         }
     }
+}
+
+/// The condition under which a transition `from any` leads on from `source`: where it leads is not active yet. Nothing
+/// if it always is when `source` is.
+fn elsewhere(
+    machine: &chart::Machine,
+    written: &ast::Source,
+    source: chart::StateId,
+    way: &targets::Way<'_>,
+) -> Option<Guard> {
+    if !matches!(written, ast::Source::Any { .. }) {
+        return Some(Expr::TRUE);
+    }
+    let goals = match &way.inside {
+        Inside::Fork(states) => states.as_slice(),
+        Inside::Default | Inside::History | Inside::DeepHistory => std::slice::from_ref(&way.target),
+    };
+    let there = goals.iter().map(|&goal| {
+        if machine.contains(goal, source) {
+            return Expr::TRUE;
+        }
+        let exclusive =
+            machine.scope(source, goal).is_none_or(|r| machine.child_in(r, source) != machine.child_in(r, goal));
+        if exclusive { Expr::FALSE } else { Expr::Atom(Atom::In(goal)) }
+    });
+    let elsewhere = Expr::all(there.collect::<Vec<_>>()).not();
+    (elsewhere != Expr::FALSE).then_some(elsewhere)
 }
 
 /// Reports a transition of a bistable actuator that would change the position without driving.
@@ -340,7 +392,7 @@ fn internal(
         scope: r.machine.states[state].region,
         guard,
         deeds,
-        priority: written.priority.map(|(n, _)| n),
+        priority: None,
         description: describe(&written.description),
         span: written.span,
     }

@@ -157,21 +157,20 @@ impl<'m> Player<'m, '_> {
         }
     }
 
-    /// A press is an edge: what is pressed was FALSE in the scan before, or there was none yet.
+    /// A press is an edge: what is pressed takes the other value, and then again the one that it had. It had that in
+    /// the scan before, too, or there was none yet.
     fn press(&mut self, given: &[Given], scans: u32) -> Played {
         let layout = *self.run.layout();
-        for &g in given {
-            self.run.plant().set(g, false);
-        }
-        if self.run.scans() == 0 || given.iter().any(|&g| self.run.frame()[layout.place(g)]) {
+        let rest: Vec<(Given, bool)> = given.iter().map(|&g| (g, self.run.given()[layout.place(g)])).collect();
+        if self.run.scans() == 0 || rest.iter().any(|&(g, value)| self.run.frame()[layout.place(g)] != value) {
             self.scan()?;
         }
-        for &g in given {
-            self.run.plant().set(g, true);
+        for &(g, value) in &rest {
+            self.run.plant().set(g, !value);
         }
         (0..scans).try_for_each(|_| self.scan())?;
-        for &g in given {
-            self.run.plant().set(g, false);
+        for &(g, value) in &rest {
+            self.run.plant().set(g, value);
         }
         Ok(())
     }

@@ -158,7 +158,7 @@ impl<'t, F: FnMut(&'t str)> Mentions<'_, F> {
             self.guards(condition);
         }
         self.effects(entry.iter().chain(exit));
-        for Internal { priority: _, guard, effects, description: _, span: _ } in internals {
+        for Internal { guard, effects, description: _, span: _ } in internals {
             self.guards([guard]);
             self.effects(effects);
         }

@@ -8,8 +8,13 @@ use crate::base::Span;
 pub enum Source {
     /// One state.
     State(Path),
-    /// `any`: each state of the region in which it is written.
-    Any(Span),
+    /// `any except A, B`: each other state of the region in which it is written.
+    Any {
+        /// The states that are left out.
+        except: Vec<Path>,
+        /// The word `any`.
+        span: Span,
+    },
     /// Join: all of these states together.
     Join(Vec<Path>),
 }

@@ -29,8 +29,6 @@ struct Step {
     id: TransitionId,
     /// Its guard; with it that its source is active, where that is not certain.
     enabled: Condition,
-    /// Whether it leaves and enters nothing.
-    internal: bool,
     /// The states with something to do when they are left that it may leave.
     exits: Range<u32>,
     changes: Range<u32>,
@@ -81,6 +79,8 @@ pub struct Steps {
     /// after the filter.
     leaving: Vec<Range<u32>>,
     ending: Vec<Range<u32>>,
+    /// For each state, its internal transitions.
+    internals: Vec<Range<u32>>,
     steps: Vec<Step>,
     /// For each state, those in it that do something when they are left, the innermost first.
     leavers: Vec<Range<u32>>,
@@ -114,6 +114,8 @@ pub struct Configuration {
     happened: Vec<Deed>,
     /// The same as places in the table, with what they enter as far as it was looked up.
     firing: Vec<(u32, Range<u32>)>,
+    /// The internal ones among them, those of outer states first.
+    internal: Vec<u32>,
     looked: Vec<(RegionId, StateId)>,
     /// Active regions that have still to be looked at.
     open: Vec<RegionId>,
@@ -133,6 +135,7 @@ impl Configuration {
                 2 * (regions + 2 * machine.states.len())
             }),
             firing: Vec::with_capacity(regions),
+            internal: Vec::with_capacity(machine.transitions.values().filter(|t| t.internal).count()),
             looked: Vec::with_capacity(regions),
             open: Vec::with_capacity(regions),
         }
@@ -149,7 +152,7 @@ impl Configuration {
         self.happened.clear();
     }
 
-    /// The transitions that fired in this scan, of each step those of outer regions first.
+    /// The transitions that fired in this scan, of each step the internal ones, then those of outer regions first.
     pub fn fired(&self) -> &[TransitionId] {
         &self.fired
     }
@@ -161,6 +164,7 @@ impl Steps {
         let mut all = Steps {
             leaving: Vec::with_capacity(machine.states.len()),
             ending: Vec::with_capacity(machine.states.len()),
+            internals: Vec::with_capacity(machine.states.len()),
             steps: Vec::with_capacity(machine.transitions.len()),
             leavers: Vec::new(),
             exits: Vec::new(),
@@ -189,7 +193,7 @@ impl Steps {
             all.inside.push(range);
         }
         let mut by_state: Vec<Vec<TransitionId>> = vec![Vec::new(); machine.states.len()];
-        for (id, transition) in machine.transitions.iter() {
+        for (id, transition) in machine.transitions.iter().filter(|(_, t)| !t.internal) {
             by_state[leaves(machine, transition).index()].push(id);
         }
         for list in &mut by_state {
@@ -201,6 +205,7 @@ impl Steps {
         }
         all.entries_and_exits(machine, layout);
         let within = within(machine, layout);
+        let internals = machine.internals();
         for (state, list) in by_state.into_iter().enumerate() {
             let (end, start): (Vec<TransitionId>, Vec<TransitionId>) =
                 list.into_iter().partition(|&id| machine.transitions[id].phase == Phase::End);
@@ -211,9 +216,10 @@ impl Steps {
                 }
                 from..all.steps.len() as u32
             };
-            let (start, end) = (table(start), table(end));
+            let (start, end, internal) = (table(start), table(end), table(internals[state].clone()));
             all.leaving.push(start);
             all.ending.push(end);
+            all.internals.push(internal);
         }
         all
     }
@@ -278,7 +284,7 @@ impl Steps {
         } else {
             Enters::Looked(self.ways.way(machine, first, t))
         };
-        self.steps.push(Step { id, enabled, internal: t.internal, exits, changes, enters });
+        self.steps.push(Step { id, enabled, exits, changes, enters });
     }
 
     /// Enters the outermost regions of the charts of that kind.
@@ -331,8 +337,9 @@ impl Steps {
 
     /// The charts of that kind take one step, effects on variables included.
     pub fn step(&self, kind: ChartKind, code: &Code, memory: &mut Memory, configuration: &mut Configuration) {
-        let Configuration { active, firing, looked, open, .. } = &mut *configuration;
+        let Configuration { active, firing, internal, looked, open, .. } = &mut *configuration;
         firing.clear();
+        internal.clear();
         looked.clear();
         open.extend_from_slice(part(&self.regions, self.outermost(kind)));
         while let Some(region) = open.pop() {
@@ -347,12 +354,28 @@ impl Steps {
                 }
                 firing.push((at, from..looked.len() as u32));
             }
-            if fires.is_none_or(|at| self.steps[candidates.start as usize + at].internal) {
+            if fires.is_none() {
+                let holds = |&at: &u32| code.holds(self.steps[at as usize].enabled, memory);
+                internal.extend(self.internals[state].clone().filter(holds));
                 open.extend_from_slice(part(&self.regions, &self.inside[state]));
             }
         }
+        self.stay(memory, configuration);
         self.leave(memory, configuration);
         self.fire(memory, configuration);
+    }
+
+    /// What internal transitions do that have been found.
+    fn stay(&self, memory: &mut Memory, configuration: &mut Configuration) {
+        let Configuration { fired, happened, internal, .. } = configuration;
+        for &at in internal.iter() {
+            let step = &self.steps[at as usize];
+            self.change(&step.changes, memory);
+            if self.counts {
+                happened.push(Deed::Fire(step.id));
+            }
+            fired.push(step.id);
+        }
     }
 
     /// What states do that are left by what has been found.

@@ -108,15 +108,13 @@ impl Ways {
         for &region in part(&self.regions, inside) {
             let taken = way.and_then(|(way, last)| match how {
                 How::Default => None,
-                How::Left => self.left(region, last, memory).map(|s| (s, How::Left)),
+                How::Left => Some((last[region.index()], How::Left)),
                 How::Way => {
                     let named = part(&self.named, &way.named).iter().find(|s| self.states[s.index()].region == region);
                     let deep = way.history.filter(|(target, _)| *target == state).map(|(_, deep)| deep);
-                    let left = |deep| {
-                        let how = if deep { How::Left } else { How::Default };
-                        self.left(region, last, memory).map(|s| (s, how))
-                    };
-                    named.map(|&s| (s, How::Way)).or_else(|| deep.and_then(left))
+                    let left = |deep| (last[region.index()], if deep { How::Left } else { How::Default });
+                    let unfinished = deep.filter(|_| self.unfinished(state, last, memory));
+                    named.map(|&s| (s, How::Way)).or_else(|| unfinished.map(left))
                 }
             });
             let (next, how) = taken.unwrap_or_else(|| (self.default(region, code, memory), How::Default));
@@ -124,10 +122,13 @@ impl Ways {
         }
     }
 
-    /// Where the region was left, if it ever was active and had not ended.
-    fn left(&self, region: RegionId, last: &[StateId], memory: &Memory) -> Option<StateId> {
-        let state = last[region.index()];
-        (memory.entered[state.index()] != 0 && !self.states[state.index()].is_final).then_some(state)
+    /// Whether the state ever was active and was not done as a whole: then all its regions have last states, and so
+    /// have those inside these.
+    fn unfinished(&self, state: StateId, last: &[StateId], memory: &Memory) -> bool {
+        part(&self.regions, &self.states[state.index()].inside).iter().any(|region| {
+            let last = last[region.index()];
+            memory.entered[last.index()] != 0 && !self.states[last.index()].is_final
+        })
     }
 
     fn default(&self, region: RegionId, code: &Code, memory: &Memory) -> StateId {

@@ -1,13 +1,15 @@
-//! Transitions to pairs of which only the order of the text decides which one fires, where that makes a difference.
+//! Transitions to pairs of which only the order of the text decides which one fires or writes last, where that makes a difference.
 //!
 //! It makes none where both leave and enter the same states and do the same on the way. What is not known before a run, such as where
 //! a history leads or an initial choice, counts as a difference, unless both ask for the same.
 
-use crate::ir::chart::{Deeds, Inside, Machine, Phase, RegionId, StateId, Transition, TransitionId};
+use crate::ir::chart::{
+    Assignment, Deeds, Effect, Inside, Machine, Phase, RegionId, StateId, Transition, TransitionId,
+};
 use std::collections::BTreeSet;
 
 /// Pairs of transitions that have one source and scope, no explicit priority, and something that differs; the one that is tried
-/// first comes first.
+/// first comes first. Internal transitions of one state both happen: they are a pair where they write something differently.
 pub fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
     let mut rivals = Vec::new();
     for scoped in [Phase::Start, Phase::End].into_iter().flat_map(|phase| machine.scoped(phase)) {
@@ -21,12 +23,25 @@ pub fn rivals(machine: &Machine) -> Vec<(TransitionId, TransitionId)> {
             }
         }
     }
+    for internals in machine.internals() {
+        for (i, &a) in internals.iter().enumerate() {
+            let both = |&b: &TransitionId| contradict(&machine.transitions[a].deeds, &machine.transitions[b].deeds);
+            rivals.extend(internals[i + 1..].iter().copied().filter(both).map(|b| (a, b)));
+        }
+    }
     rivals
+}
+
+/// Whether two deeds that both happen write something differently, so that the last one decides.
+fn contradict(a: &Deeds, b: &Deeds) -> bool {
+    let effects = |e: &Effect| b.effects.iter().any(|f| f.variable == e.variable && f.value != e.value);
+    let numbers = |m: &Assignment| b.assignments.iter().any(|n| n.integer == m.integer && n.value != m.value);
+    a.effects.iter().any(effects) || a.assignments.iter().any(numbers)
 }
 
 /// Whether it makes a difference which of two transitions of one source and scope fires.
 fn differ(machine: &Machine, s: &Transition, t: &Transition) -> bool {
-    s.internal != t.internal || !same_deeds(&s.deeds, &t.deeds) || !s.internal && !same_entry(machine, s, t)
+    !same_deeds(&s.deeds, &t.deeds) || !same_entry(machine, s, t)
 }
 
 /// Whether two transitions do the same to variables, integers and events; the order in one of them means nothing.

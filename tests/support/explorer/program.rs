@@ -230,8 +230,12 @@ impl Reading<'_> {
         });
         let barred = of_phase(self.machine, self.fired, Phase::Start).any(|f| {
             let f = &self.machine.transitions[f];
+            if f.internal || t.internal {
+                let left = self.machine.child_in(f.scope, f.source);
+                return !f.internal && left.is_some_and(|left| self.machine.contains(left, t.source));
+            }
             let inside = self.machine.regions[t.scope].parent;
-            !f.internal && f.scope != t.scope && inside.is_some_and(|p| self.machine.child_in(f.scope, p).is_some())
+            f.scope != t.scope && inside.is_some_and(|p| self.machine.child_in(f.scope, p).is_some())
         });
         self.before.frame[self.layout.state(t.source)] && guard && !barred
     }

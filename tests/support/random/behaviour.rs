@@ -341,14 +341,27 @@ impl Model {
                     lines.push(format!("{word} {deeds}"));
                 }
             }
-            while self.rng.chance(15) {
+            while !self.is_left_at_once(state) && self.rng.chance(15) {
                 let Some(deeds) = self.deeds(region) else { break };
-                let (priority, guard) = (self.priority(), self.timed(2));
+                let guard = self.timed(2);
                 let edge = format!("{}(In{})", self.rng.pick(&["rise", "fall"]), self.rng.below(self.inputs));
-                lines.push(format!("internal{priority} when {edge} and ({guard}) then {deeds}"));
+                lines.push(match self.rng.below(3) {
+                    0 => format!("internal when {guard} then {deeds}"),
+                    _ => format!("internal when {edge} and ({guard}) then {deeds}"),
+                });
             }
             self.states[state].lines.extend(lines.into_iter().map(Item::Line));
         }
+    }
+
+    /// Whether a transition without a condition leads out of the state, or out of one that holds it.
+    fn is_left_at_once(&self, state: usize) -> bool {
+        let begins = format!("from {} to ", self.states[state].name);
+        let leaves =
+            |item: &Item| matches!(item, Item::Line(text) if text.starts_with(&begins) && !text.contains(" when "));
+        let lines = self.regions.iter().flat_map(|r| &r.lines).chain(self.states.iter().flat_map(|s| &s.lines));
+        let outer = self.regions[self.states[state].region].parent;
+        lines.into_iter().any(leaves) || outer.is_some_and(|outer| self.is_left_at_once(outer))
     }
 
     fn condition(&mut self, percent: usize) -> String {

@@ -167,8 +167,8 @@ impl Model {
         if self.rng.chance(20)
             && let Some(deed) = self.noted(variables)
         {
-            let (priority, guard) = (self.priority(), self.observation(1, false, times));
-            lines.push(Item::line(format!("internal{priority} when {guard} then {deed}")));
+            let guard = self.observation(1, false, times);
+            lines.push(Item::line(format!("internal when {guard} then {deed}")));
         }
         lines
     }

@@ -119,7 +119,9 @@ fn who_interrupts_is_told_what_is_known() {
     assert_eq!(code(&output), 1);
     let json: serde_json::Value = serde_json::from_str(stdout(&output)).expect("it is whole");
     let reasons: Vec<_> = json["answers"].as_array().unwrap().iter().filter(|a| a["verdict"] == "open").collect();
-    assert!(!reasons.is_empty() && reasons.iter().all(|a| a["reason"] == "interrupted"), "{reasons:?}");
+    // What an engine has given up before has a reason of its own.
+    assert!(reasons.iter().any(|a| a["reason"] == "interrupted"), "{reasons:?}");
+    assert!(reasons.iter().all(|a| a["reason"] != "the time was up"), "{reasons:?}");
 }
 
 #[cfg(unix)]

@@ -381,9 +381,9 @@ impl<'m> ChartStep<'m> {
     /// What happens once, with whether it does, in order: internal transitions, those of outer states first, then as
     /// they are written, what states do when they are left, from the inside out, transitions, those of outer regions
     /// first, what states do when they are entered, from the outside in.
-    fn deeds(&self, fires: &[Lit], moves: &Moves) -> BTreeMap<(u8, i64, usize), Vec<(Lit, &Deeds)>> {
+    fn deeds(&self, fires: &[Lit], moves: &Moves) -> Happening<'_> {
         let m = self.machine;
-        let mut steps: BTreeMap<(u8, i64, usize), Vec<(Lit, &Deeds)>> = BTreeMap::new();
+        let mut steps = Happening::new();
         for (id, state) in m.states.iter() {
             let depth = i64::from(state.depth);
             steps.entry((1, -depth, 0)).or_default().push((moves.left[id.index()], &state.exit));
@@ -502,6 +502,9 @@ impl<'m> ChartStep<'m> {
         ChartScan { after, events, fires, enabled, commands, acted, broken, beyond, begins, readings }
     }
 }
+
+/// What happens once, with whether it does, by its place in the order.
+type Happening<'a> = BTreeMap<(u8, i64, usize), Vec<(Lit, &'a Deeds)>>;
 
 /// What a scan has made so far of what is remembered.
 struct Now {

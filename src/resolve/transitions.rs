@@ -130,14 +130,14 @@ fn plain<'a>(
             r.diagnostics = before;
         }
     }
-    if let (ast::Source::Any { span, .. }, false) = (&written.source, r.diagnostics.has_errors()) {
-        if into.len() == before_all {
-            r.diagnostics.push(
-                Diagnostic::new(Code::WrongKind, "`any` leads nowhere from here")
-                    .label(*span, "in each state that this stands for, the machine is there already")
-                    .help("name the state from which it leads: from the target itself it is a restart"),
-            );
-        }
+    if let (ast::Source::Any { span, .. }, false) = (&written.source, r.diagnostics.has_errors())
+        && into.len() == before_all
+    {
+        r.diagnostics.push(
+            Diagnostic::new(Code::WrongKind, "`any` leads nowhere from here")
+                .label(*span, "in each state that this stands for, the machine is there already")
+                .help("name the state from which it leads: from the target itself it is a restart"),
+        );
     }
     if sources.is_empty() {
         targets::ways(r, choices, &written.target, body.braces(), None);

@@ -1,7 +1,7 @@
 //! State by state: the exact engine for what depends on a small part of a system only.
 //!
 //! What a claim depends on is often one counter among many, or one region. Of such a part each state is visited, breadth first, with all
-//! values of its inputs at once in the [lanes](super::aig::lanes) of a word: a long way costs no more than a short one, where sets
+//! values of its inputs at once in the [lanes] of a word: a long way costs no more than a short one, where sets
 //! of states as decision diagrams take one operation for each scan of it. Parts are explored apart; a claim about several of them
 //! together is left to others.
 //!

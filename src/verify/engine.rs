@@ -224,11 +224,12 @@ impl Check<'_, '_, '_> {
         if self.count() > 0 {
             self.explore_parts();
         }
+        // What a scenario shows is found as easily as what chance does.
+        let open = self.count();
         if !given.shown.is_empty() {
             self.aside.clone_from(&given.shown);
         }
-        let open = self.count();
-        let states = if open > 0 { self.wander() } else { Vec::new() };
+        let states = if self.count() > 0 { self.wander() } else { Vec::new() };
         // Where chance finds little, the system is one that has to be searched through, if it can be.
         let late = self.count() < open / 2;
         self.prove(GLANCE.min(limits.conflicts));

@@ -119,9 +119,10 @@ fn who_interrupts_is_told_what_is_known() {
     assert_eq!(code(&output), 1);
     let json: serde_json::Value = serde_json::from_str(stdout(&output)).expect("it is whole");
     let reasons: Vec<_> = json["answers"].as_array().unwrap().iter().filter(|a| a["verdict"] == "open").collect();
-    // What an engine has given up before has a reason of its own.
-    assert!(reasons.iter().any(|a| a["reason"] == "interrupted"), "{reasons:?}");
-    assert!(reasons.iter().all(|a| a["reason"] != "the time was up"), "{reasons:?}");
+    // A run that was found but not rebuilt in time is known to be there.
+    let known = ["interrupted", "there is a run, but the search ended before it could be shown"];
+    assert!(reasons.iter().any(|a| a["reason"] == known[0]), "{reasons:?}");
+    assert!(reasons.iter().all(|a| known.contains(&a["reason"].as_str().unwrap())), "{reasons:?}");
 }
 
 #[cfg(unix)]

@@ -64,7 +64,7 @@ impl fmt::Display for Limit {
             Limit::Plans => "no few ways were found that always lead there",
             Limit::Stopped => "the time was up",
             Limit::Interrupted => "interrupted",
-            Limit::Unshown => "there is a run, but the time was up before it could be shown",
+            Limit::Unshown => "there is a run, but the search ended before it could be shown",
             Limit::Kind => "only the exact set of reachable states would tell",
             Limit::Replay => "a run was found that cannot be replayed; please report this",
             Limit::Certificate => "a proof was found that cannot be checked; please report this",

@@ -135,18 +135,23 @@ fn all_configurations_and_no_others_are_decoded() {
     }
     let wrong = graph.any(&wrong);
     assert!(matches!(Sat::new().ask(&graph, &[wrong], Budget::PROOF), Answer::Never));
-    let mut seen = std::collections::BTreeSet::new();
-    let count = graph.leaves().len();
-    for code in 0..1u64 << count {
-        let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
-        let mut values = Vec::new();
-        graph.simulate(&leaves, &mut values);
-        let remembered = state.active.iter().chain(state.last.iter().flatten());
-        seen.insert(remembered.map(|&l| aig::lanes(&values, l) & 1).collect::<Vec<_>>());
-    }
+    let remembered: Vec<aig::Lit> = state.active.iter().chain(state.last.iter().flatten()).copied().collect();
+    let seen = assignments(&graph, &remembered);
     // A with three states inside, of which the active one is the last; or P with two beside one, when A was
     // left in one of the three or has never been active.
     assert_eq!(seen.len(), 3 + 2 * 4);
+}
+
+/// All values that these literals have together, over all those of the leaves.
+fn assignments(graph: &aig::Aig, literals: &[aig::Lit]) -> std::collections::BTreeSet<Vec<u64>> {
+    let count = graph.leaves().len();
+    let assignment = |code: u64| {
+        let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
+        let mut values = Vec::new();
+        graph.simulate(&leaves, &mut values);
+        literals.iter().map(|&l| aig::lanes(&values, l) & 1).collect()
+    };
+    (0..1u64 << count).map(assignment).collect()
 }
 
 #[test]
@@ -156,14 +161,7 @@ fn a_time_has_passed_only_where_a_state_was_not_just_entered() {
     let machine = build(source, Dialect::Beremiz).unwrap_or_else(|e| panic!("{e}")).machine;
     let mut graph = aig::Aig::new();
     let state = configuration::any(&mut graph, &machine, &ChartStep::new(&machine, 1));
-    let mut seen = std::collections::BTreeSet::new();
-    let count = graph.leaves().len();
-    for code in 0..1u64 << count {
-        let leaves: Vec<u64> = (0..count).map(|i| code >> i & 1).collect();
-        let mut values = Vec::new();
-        graph.simulate(&leaves, &mut values);
-        seen.insert([state.fresh[0], state.past[0]].map(|l| aig::lanes(&values, l) & 1));
-    }
+    let seen = assignments(&graph, &[state.fresh[0], state.past[0]]);
     assert_eq!(seen.into_iter().collect::<Vec<_>>(), [[0, 0], [0, 1], [1, 0]]);
 }
 

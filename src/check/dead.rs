@@ -38,8 +38,8 @@ pub fn dead(machine: &Machine) -> Vec<Option<Dead>> {
             return Some(Dead::NeverEnabled);
         }
         let mut rivals = machine.ancestors(t.source).flat_map(|s| always[s.index()].iter().copied());
-        // Of one scope, one fires, and what is inside its source takes no step then. What is internal does not happen in
-        // a scan in which its state is left.
+        // Of one scope, one fires, and the regions inside its source take no step then. An internal transition does not
+        // happen in a scan in which its state is left.
         let beats = |o: TransitionId| machine.transitions[o].phase == t.phase && (t.internal || key(o) < key(id));
         rivals.find(|&o| beats(o)).map(Dead::Beaten)
     };

@@ -46,7 +46,7 @@ pub fn check(machine: &mut Machine) -> Diagnostics {
     let mut excuses = Excuses::new(machine);
     coherence::check(machine, &mut excuses, &mut found);
     unused::check(machine, &mut excuses, &mut found);
-    // What is wrong may be what keeps a warning from being there.
+    // An error may be the reason that a warning is absent.
     if !found.has_errors() {
         excuses.stale(&mut found);
     }

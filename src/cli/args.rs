@@ -361,7 +361,7 @@ pub enum ShowStage {
     Sfc,
     /// The ladder programs.
     Ladder,
-    /// What each name in the PLC stands for, as CSV.
+    /// The table of names in the PLC, with their meanings, as CSV.
     Names,
 }
 

@@ -8,7 +8,7 @@ use super::watch::Watch;
 use super::{Outcome, counterexample, finish, read, say, tell, verify};
 use crate::base::figure;
 use crate::ir::chart::{ConstraintId, Machine};
-use crate::pipeline::findings::Findings;
+use crate::pipeline::findings::{Findings, once};
 use crate::pipeline::needed::{Kept, Loss, Needed, Without, needed};
 use crate::pipeline::verify::{Question, Run};
 use crate::simulate::vcd;
@@ -30,7 +30,7 @@ struct JsonProperty {
     places: Vec<JsonPlace>,
     verdict: &'static str,
     reason: Option<String>,
-    /// What would help, where nobody knows.
+    /// The hint for an open answer.
     help: Option<String>,
 }
 
@@ -49,7 +49,7 @@ struct JsonConstraint {
     /// The code of the error for which the compiler refuses what is left.
     code: Option<String>,
     reason: Option<String>,
-    /// What would help, where nobody knows.
+    /// The hint for an open answer.
     help: Option<String>,
     /// Those that imply it together with the assumptions, if that is so.
     implied_by: Option<Vec<String>>,
@@ -260,7 +260,7 @@ fn human(found: &Needed, findings: &Findings<'_>, time: Duration) -> String {
     text
 }
 
-/// What would help where nobody knows, each thing once.
+/// The hints for all open answers.
 fn helps(found: &Needed, findings: &Findings<'_>) -> Vec<String> {
     let kept = found.properties.iter().filter_map(|&(i, kept)| match kept {
         Kept::Unknown(limit) => findings.hint(limit, Question::Declared(i)),
@@ -270,13 +270,7 @@ fn helps(found: &Needed, findings: &Findings<'_>) -> Vec<String> {
         Without::Unknown(i, limit) => findings.hint(*limit, Question::Declared(*i)),
         _ => None,
     });
-    let mut helps = Vec::new();
-    for help in kept.chain(without) {
-        if !helps.contains(&help) {
-            helps.push(help);
-        }
-    }
-    helps
+    once(kept.chain(without))
 }
 
 /// What is lost, and where that shows.

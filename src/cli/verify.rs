@@ -9,7 +9,7 @@ use super::{Outcome, finish, needed, read, say, tell, usage};
 use crate::base::{Code, LineIndex, figure};
 use crate::ir::chart::Machine;
 use crate::ir::scenario::Acceptance;
-use crate::pipeline::findings::{Findings, Place};
+use crate::pipeline::findings::{Findings, Place, once};
 use crate::pipeline::verify::{self, Answer, Kind, Options, Program, Question, Status, Times, Verified};
 use crate::simulate::{tree, vcd};
 use crate::verify::{Choice, Engine, Limits};
@@ -47,7 +47,7 @@ struct JsonAnswer {
     /// Whether the machine is wrong if it is violated.
     demand: bool,
     reason: Option<String>,
-    /// What would help, where nobody knows.
+    /// The hint for an open answer.
     help: Option<String>,
     /// How many scans the run takes that shows it.
     scans: Option<usize>,
@@ -371,15 +371,10 @@ fn counts(verified: &Verified) -> String {
     text
 }
 
-/// What would help where nobody knows, each thing once.
+/// The hints for all open answers, a line each.
 fn helps(verified: &Verified, findings: &Findings<'_>) -> String {
-    let mut said = Vec::new();
-    for help in verified.answers.iter().filter_map(|a| findings.help(a)) {
-        if !said.contains(&help) {
-            said.push(help);
-        }
-    }
-    said.iter().fold(String::new(), |text, help| text + &format!("help      {help}\n"))
+    let hints = once(verified.answers.iter().filter_map(|a| findings.help(a)));
+    hints.iter().fold(String::new(), |text, help| text + &format!("help      {help}\n"))
 }
 
 fn human(verified: &Verified, findings: &Findings<'_>, transition: &str, time: Duration) -> String {

@@ -152,7 +152,7 @@ impl<'m> Findings<'m> {
         }
     }
 
-    /// What would help where nobody knows.
+    /// The hint for an open answer.
     pub fn help(&self, answer: &Answer) -> Option<String> {
         match answer.status {
             Status::Unknown(limit) => self.hint(limit, answer.question),
@@ -160,10 +160,11 @@ impl<'m> Findings<'m> {
         }
     }
 
-    /// What would help to an answer that is missing because of that.
+    /// The hint for an answer that is open because of that limit.
     pub fn hint(&self, limit: Limit, question: Question) -> Option<String> {
         let mut hints = vec![match limit {
-            Limit::Stopped | Limit::Unshown => "where the time was up: `--time` gives more of it",
+            Limit::Stopped => "where the time was up: `--time` gives more of it",
+            Limit::Unshown => "where there is a run that is not shown: it is with more `--time`",
             Limit::Interrupted => "what was interrupted goes on for `--time` if it is let",
             Limit::Nodes => "where memory is short: `--memory` allows more of it",
             Limit::Steps => "where there are too many situations: `--engine exact` goes on until the time is up",
@@ -332,4 +333,15 @@ pub(super) fn headline(machine: &Machine, question: Question) -> String {
         Question::Beyond(i) => format!("assigned beyond its range: {}", machine.integers[i].name),
         Question::Acts(c) => format!("the filter acts for {}", machine.safety.constraints[c].name),
     }
+}
+
+/// Each of these hints once, in the order in which they first come.
+pub fn once(hints: impl Iterator<Item = String>) -> Vec<String> {
+    let mut all = Vec::new();
+    for hint in hints {
+        if !all.contains(&hint) {
+            all.push(hint);
+        }
+    }
+    all
 }

@@ -27,21 +27,11 @@ pub fn shortest(subject: &Subject<'_>, property: Property, trace: Trace, stop: S
     let mut system = subject.system.clone();
     system.constraints.push(!subject.clocks.leap);
     let mut bounded = Bounded::new(&system, &[bad], stop);
-    let (mut sure, mut left) = (true, CONFLICTS);
-    for _ in 1..whole.inputs.len() {
-        if left == 0 || stop() {
-            return trace;
-        }
-        bounded.scan();
-        let most = QUESTION.min(left);
-        let mut question = most;
-        let found = bounded.find(0, &mut question);
-        left -= most - question;
-        match found {
-            Ok(None) => {}
-            Ok(Some(run)) if subject.system.shows(&run, property) => return Trace { shortest: sure, ..run },
-            Ok(Some(_)) | Err(_) => sure = false,
-        }
+    let scans = whole.inputs.len().saturating_sub(1);
+    let shows = |run: &Trace| subject.system.shows(run, property);
+    match bounded.soonest(scans, (CONFLICTS, QUESTION), stop, shows) {
+        Some((Some(run), sure)) => Trace { shortest: sure, ..run },
+        Some((None, sure)) => Trace { shortest: sure, ..whole },
+        None => trace,
     }
-    Trace { shortest: sure, ..whole }
 }

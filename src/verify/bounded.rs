@@ -67,6 +67,35 @@ impl<'s, 'a> Bounded<'s, 'a> {
         self.inputs.push(inputs);
     }
 
+    /// The shortest run of at most that many scans that shows the only bad and `accepts` takes, by so many conflicts in
+    /// all and for one scan, if there is one; and whether all shorter ones are known not to show it. Nothing if the
+    /// conflicts do not suffice, or somebody ends it.
+    pub fn soonest(
+        &mut self,
+        scans: usize,
+        (mut conflicts, question): (u64, u64),
+        stop: Stop<'_>,
+        accepts: impl Fn(&Trace) -> bool,
+    ) -> Option<(Option<Trace>, bool)> {
+        let mut sure = true;
+        for _ in 0..scans {
+            if conflicts == 0 || stop() {
+                return None;
+            }
+            self.scan();
+            let most = question.min(conflicts);
+            let mut left = most;
+            let found = self.find(0, &mut left);
+            conflicts -= most - left;
+            match found {
+                Ok(None) => {}
+                Ok(Some(run)) if accepts(&run) => return Some((Some(run), sure)),
+                Ok(Some(_)) | Err(_) => sure = false,
+            }
+        }
+        Some((None, sure))
+    }
+
     /// A run that shows the bad of that index in the last scan.
     pub fn find(&mut self, bad: usize, conflicts: &mut u64) -> Result<Option<Trace>, Limit> {
         let goal = self.now[bad];

@@ -120,24 +120,12 @@ impl Check<'_, '_, '_> {
 
     /// A shortest run that shows the same, if the solver finds one.
     fn shorter(&mut self, bad: Lit, trace: Trace) -> Trace {
+        let scans = trace.inputs.len().saturating_sub(1);
         let mut bounded = Bounded::new(self.system, &[bad], self.stop);
-        let mut sure = true;
-        let mut left = AHEAD;
-        for scan in 1..trace.inputs.len() {
-            if scan > SHORTER || left == 0 || (self.stop)() {
-                return Trace { shortest: false, ..trace };
-            }
-            bounded.scan();
-            let most = QUESTION.min(left);
-            let mut question = most;
-            let found = bounded.find(0, &mut question);
-            left -= most - question;
-            match found {
-                Ok(None) => {}
-                Ok(Some(shorter)) => return Trace { shortest: sure, ..shorter },
-                Err(_) => sure = false,
-            }
+        match bounded.soonest(scans.min(SHORTER), (AHEAD, QUESTION), self.stop, |_| true) {
+            Some((Some(shorter), sure)) => Trace { shortest: sure, ..shorter },
+            Some((None, sure)) if scans <= SHORTER => Trace { shortest: sure, ..trace },
+            Some((None, _)) | None => Trace { shortest: false, ..trace },
         }
-        Trace { shortest: sure, ..trace }
     }
 }
